@@ -22,8 +22,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use sde_integrators::{
-    EnsembleConfig, EulerMaruyama, GaussianMixture, Integrator, Noise, Observable, Purpose,
-    Sampling, Sde, SecondOrder, SemiImplicitEuler, SimdLevel, StrangOscillator, Study,
+    EnsembleConfig, EulerMaruyama, GaussianMixture, Integrator, Noise, Observable, Purpose, Sde,
+    SecondOrder, SemiImplicitEuler, SimdLevel, StrangOscillator, Study,
 };
 
 const N_PATHS: u32 = 256;
@@ -58,7 +58,6 @@ where
         law: &law,
         config: &config,
         observables: &observables,
-        sampling: Sampling::Independent,
         level,
     };
     let ensemble = study.run::<1>().unwrap().ensemble().unwrap();

@@ -9,7 +9,6 @@ pub mod claim;
 pub mod peridyn;
 pub mod perturbation_moments;
 pub mod report;
-pub mod sde;
 pub mod smpm;
 pub mod verify;
 

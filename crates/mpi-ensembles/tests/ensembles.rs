@@ -6,8 +6,7 @@ use std::thread;
 
 use mpi_ensembles::{InMemory, Job, Ranks, ThreadRank};
 use sde_integrators::{
-    Additive, EnsembleConfig, EulerMaruyama, Observable, Sampling, Sde, ShardRecord, SimdLevel,
-    Study, merge,
+    Additive, EnsembleConfig, EulerMaruyama, Observable, Sde, ShardRecord, SimdLevel, Study, merge,
 };
 
 /// `dx = -x dt + dW`.
@@ -29,15 +28,8 @@ impl Sde<1, 1> for OrnsteinUhlenbeck {
 fn paths_on_any_number_of_ranks_are_the_bits_of_one_process() {
     let config = EnsembleConfig { seed: 4, n_paths: 40_000, dt: 0.05, times: vec![0.5, 1.0] };
     let exceeds = |_: f64, x: &[f64; 1]| x[0] > 1.0;
-    let observables = [
-        Observable::Mean(&|_, x: &[f64; 1]| x[0] * x[0]),
-        Observable::Probability(&exceeds),
-        Observable::Controlled {
-            value: &|_, x: &[f64; 1]| x[0].exp(),
-            control: &|_, x: &[f64; 1]| x[0],
-            expected: &|_| 0.0,
-        },
-    ];
+    let observables =
+        [Observable::Mean(&|_, x: &[f64; 1]| x[0] * x[0]), Observable::Probability(&exceeds)];
     let study = Study {
         name: "decay",
         system: &OrnsteinUhlenbeck,
@@ -45,7 +37,6 @@ fn paths_on_any_number_of_ranks_are_the_bits_of_one_process() {
         law: &[0.0],
         config: &config,
         observables: &observables,
-        sampling: Sampling::Independent,
         level: SimdLevel::best(),
     };
     let whole = study.run::<1>().unwrap();

@@ -18,7 +18,7 @@ impl DenseFactor {
     /// It must be positive definite, and symmetric to `1e-12` of its diagonal.
     ///
     /// # Errors
-    /// [`Error::Length`], [`Error::NotFinite`], [`Error::CovarianceNotSymmetric`],
+    /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::CovarianceNotSymmetric`],
     /// [`Error::CovarianceNotPositiveDefinite`] with the first row that fails.
     pub fn new(n: usize, covariance: &[f64]) -> Result<Self, Error> {
         require_length("entries of the covariance", covariance.len(), n.saturating_mul(n))?;

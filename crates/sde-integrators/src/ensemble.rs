@@ -12,7 +12,7 @@ use crate::integrator::Integrator;
 use crate::lane_increments::LANES;
 use crate::law::InitialDistribution;
 use crate::schedule::{EnsembleConfig, Leg, schedule};
-use crate::tally::{Observable, Sampling, Seen, Tally};
+use crate::tally::{Observable, Observed, Tally};
 
 /// Results of an ensemble.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,8 +45,6 @@ pub struct Study<'a, S: ?Sized, I, L: ?Sized, const D: usize> {
     pub config: &'a EnsembleConfig,
     /// Observables.
     pub observables: &'a [Observable<'a, D>],
-    /// Dependence between the paths.
-    pub sampling: Sampling,
     /// SIMD level; results are bitwise identical at every level.
     pub level: SimdLevel,
 }
@@ -74,8 +72,8 @@ where
     I: Integrator<S, D, M>,
     L: InitialDistribution<D> + ?Sized,
 {
-    let (sampling, level) = (Sampling::Independent, SimdLevel::best());
-    let study = Study { name: "", system, integrator, law, config, observables, sampling, level };
+    let level = SimdLevel::best();
+    let study = Study { name: "", system, integrator, law, config, observables, level };
     let legs = study.check()?;
     let tallies = reduce_blocks(
         config.n_paths,
@@ -115,10 +113,6 @@ where
             schedule(self.config)?;
             return Err(Error::TooFew { quantity: "observables", value: 0, limit: 1 });
         }
-        let n_paths = self.config.n_paths;
-        if self.sampling == Sampling::Antithetic && n_paths % 2 == 1 {
-            return Err(Error::NotEven { quantity: "antithetic paths", value: n_paths });
-        }
         schedule(self.config)
     }
 
@@ -132,14 +126,14 @@ where
     where
         I: Integrator<S, D, M>,
     {
-        let Self { system, integrator, law, sampling, level, .. } = *self;
+        let Self { system, integrator, law, level, .. } = *self;
         let seed = self.config.seed;
-        let follow = Follow { system, integrator, law, seed, legs, sampling, level };
+        let follow = Follow { system, integrator, law, seed, legs, level };
         let mut tallies = Vec::with_capacity(legs.len() * self.observables.len());
-        for leg in legs {
-            tallies.extend(self.observables.iter().map(|o| Tally::new(o, leg.end, sampling)));
+        for _ in legs {
+            tallies.extend(self.observables.iter().map(Tally::new));
         }
-        let mut observer = Observer { observables: self.observables, sampling, tallies };
+        let mut observer = Observer { observables: self.observables, tallies };
         let (mut n_failed, mut first_failure) = (0, None);
         let mut start = ids.start;
         while start < ids.end && !(n_failed > 0 && failing == Failing::Stops) {
@@ -187,24 +181,24 @@ pub(crate) fn merge_tallies(mut earlier: Vec<Tally>, later: Vec<Tally>) -> Vec<T
 /// Observes the output times.
 struct Observer<'a, const D: usize> {
     observables: &'a [Observable<'a, D>],
-    sampling: Sampling,
     tallies: Vec<Tally>,
 }
 
 impl<const D: usize> Observer<'_, D> {
-    fn see(
+    /// What an observable is on a path, unless the path has failed.
+    fn observe(
         &self,
         observable: usize,
         t: f64,
         x: &[[f64; LANES]],
         lane: usize,
         lives: &mut Lives,
-    ) -> Option<Seen> {
+    ) -> Option<Observed> {
         if !lives.is_alive(lane) {
             return None;
         }
         let state = std::array::from_fn(|i| x[i][lane]);
-        Seen::of(&self.observables[observable], t, &state)
+        Observed::of(&self.observables[observable], t, &state)
             .map_err(|value| {
                 lives.fail(lane, |realisation| Error::NonFiniteObservable {
                     observable,
@@ -226,16 +220,10 @@ impl<const D: usize> Watch for Observer<'_, D> {
 
     fn output(&mut self, leg: usize, t: f64, x: &[[f64; LANES]], lives: &mut Lives) {
         let n = self.observables.len();
-        let stride = if self.sampling == Sampling::Antithetic { 2 } else { 1 };
         for observable in 0..n {
-            for lane in (0..lives.n_active).step_by(stride) {
-                let mut seen = self.see(observable, t, x, lane, lives);
-                if stride == 2 {
-                    let other = self.see(observable, t, x, lane + 1, lives);
-                    seen = seen.zip(other).map(|(a, b)| a.pair(b));
-                }
-                if let Some(seen) = seen {
-                    self.tallies[leg * n + observable].push(seen);
+            for lane in 0..lives.n_active {
+                if let Some(observed) = self.observe(observable, t, x, lane, lives) {
+                    self.tallies[leg * n + observable].push(observed);
                 }
             }
         }

@@ -32,22 +32,6 @@ pub enum StepError {
         /// Roundoff level that its magnitude must exceed.
         limit: f64,
     },
-    /// The operator of an implicit step has another size than the field.
-    #[error("the operator has {value} unknowns, the field {expected}")]
-    OperatorLength {
-        /// Number of unknowns of the operator.
-        value: usize,
-        /// Number of unknowns of the field.
-        expected: usize,
-    },
-    /// The operator of an implicit step is not symmetric negative semidefinite.
-    #[error(
-        "1 - theta h A has a curvature of {curvature:e} in a direction of length 1, must be positive"
-    )]
-    OperatorIndefinite {
-        /// The curvature found.
-        curvature: f64,
-    },
 }
 
 /// Error of a distribution, an estimate or an ensemble.
@@ -109,16 +93,6 @@ pub enum Error {
         from: f64,
         /// Upper limit.
         to: f64,
-    },
-    /// The length of a slice does not match that of another.
-    #[error("{value} {quantity}, {expected} expected")]
-    Length {
-        /// Kind of entries.
-        quantity: &'static str,
-        /// Number given.
-        value: usize,
-        /// Number required.
-        expected: usize,
     },
     /// The covariance of a field's noise is not symmetric.
     #[error(
@@ -228,20 +202,6 @@ pub enum Error {
         /// Cause.
         source: StepError,
     },
-    /// The error of the shortest adaptive step exceeds the tolerance.
-    #[error(
-        "path {realisation}, time {t}: the shortest step {dt:e} has {error:e} times the error let pass"
-    )]
-    StepUnderflow {
-        /// The realisation.
-        realisation: u64,
-        /// The time at the start of the step.
-        t: f64,
-        /// Step length.
-        dt: f64,
-        /// Error estimate over the tolerance.
-        error: f64,
-    },
     /// The state of a path is not finite.
     #[error(
         "path {realisation} is non-finite after {steps} steps, at time {t}: state {component} is {value}"
@@ -269,14 +229,6 @@ pub enum Error {
         t: f64,
         /// Its value.
         value: f64,
-    },
-    /// A number is odd but must be even.
-    #[error("{value} {quantity}, must be even")]
-    NotEven {
-        /// Kind of items.
-        quantity: &'static str,
-        /// Number given.
-        value: u64,
     },
     /// Some paths of a study failed, so the remaining ones are no sample of the distribution.
     #[error("{n_failed} of {n_paths} paths failed, the first of them {realisation}: {message}")]

@@ -1,7 +1,6 @@
 //! Euler-Maruyama method.
 
 use crate::error::StepError;
-use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::integrator::{Integrator, apply};
 use crate::lane_increments::{LANES, LaneIncrements};
 use crate::noise::Increment;
@@ -77,28 +76,5 @@ where
                 x[i][lane] += dt * drift[i] + kick[i];
             }
         }
-    }
-}
-
-impl FieldIntegrator for EulerMaruyama {
-    type Memory = ();
-
-    fn step<S: FieldSde + ?Sized>(
-        &self,
-        system: &S,
-        t: f64,
-        dt: f64,
-        dw: FieldIncrement<'_>,
-        x: &mut [f64],
-        workspace: &mut Workspace,
-        _memory: &mut (),
-    ) -> Result<(), StepError> {
-        let [drift] = workspace.buffers(x.len());
-        system.drift(t, x, drift);
-        let intensity = system.intensity(t);
-        for i in 0..x.len() {
-            x[i] += dt * drift[i] + intensity * dw.brownian[i];
-        }
-        Ok(())
     }
 }

@@ -10,7 +10,6 @@ use crate::lane_increments::{LANES, LaneIncrements, LaneNoise};
 use crate::law::InitialDistribution;
 use crate::noise::Noise;
 use crate::schedule::Leg;
-use crate::tally::Sampling;
 
 /// The states of [`LANES`] paths, component by component.
 pub(crate) type LaneStates<const D: usize> = [[f64; LANES]; D];
@@ -22,7 +21,6 @@ pub(crate) struct Follow<'a, S: ?Sized, I, L: ?Sized> {
     pub(crate) law: &'a L,
     pub(crate) seed: u64,
     pub(crate) legs: &'a [Leg],
-    pub(crate) sampling: Sampling,
     pub(crate) level: SimdLevel,
 }
 
@@ -130,14 +128,7 @@ where
         W: Watch,
     {
         let mut lives = Lives::new(ids);
-        let lane_ids: [u64; LANES] =
-            std::array::from_fn(|lane| ids.start.wrapping_add(lane as u64));
-        let (streams, signs) = match self.sampling {
-            Sampling::Independent => (lane_ids, [1.0; LANES]),
-            Sampling::Antithetic => {
-                (lane_ids.map(|id| id / 2), lane_ids.map(|id| if id % 2 == 0 { 1.0 } else { -1.0 }))
-            }
-        };
+        let streams: [u64; LANES] = std::array::from_fn(|lane| ids.start.wrapping_add(lane as u64));
         let mut x = [[0.0; LANES]; D];
         let noise = Noise::new(self.seed);
         for lane in 0..lives.n_active {
@@ -150,7 +141,7 @@ where
             lives.bury(&mut x, 0, 0.0);
         }
         watch.start(ids.start, &x);
-        let mut noise = LaneNoise::<M>::new(self.level, self.seed, streams, signs);
+        let mut noise = LaneNoise::<M>::new(self.level, self.seed, streams);
         let mut memory: [I::Memory; LANES] = std::array::from_fn(|_| I::Memory::default());
         let mut steps_before = 0;
         for (index, leg) in self.legs.iter().enumerate() {
@@ -198,15 +189,15 @@ where
     fn run<R: Registers<f64>>(self, _: R) {
         let Self { follow, leg, steps_before, noise, x, memory, lives, watch } = self;
         let (integrator, system) = (follow.integrator, follow.system);
-        let deviations = noise.deviations(leg.dt);
+        let (deviation, area_deviation) = (leg.dt.sqrt(), (leg.dt / 12.0).sqrt());
         let mut dw = LaneIncrements::ZERO;
         let mut before = *x;
         for k in 0..leg.n_steps {
             let t = leg.start + k as f64 * leg.dt;
             if I::USES_AREA {
-                noise.next::<true>(&deviations, &mut dw);
+                noise.next::<true>(deviation, area_deviation, &mut dw);
             } else {
-                noise.next::<false>(&deviations, &mut dw);
+                noise.next::<false>(deviation, area_deviation, &mut dw);
             }
             if W::EVERY_STEP {
                 before = *x;

@@ -12,7 +12,7 @@ use crate::follow::{Lives, all_finite};
 use crate::guide::{Guide, LARGEST_SHIFT, hazard};
 use crate::guided_watch::Largest;
 use crate::integrator::Joints;
-use crate::lane_increments::{Deviations, LANES, LaneIncrements, LaneNoise};
+use crate::lane_increments::{LANES, LaneIncrements, LaneNoise};
 use crate::lane_paths::LanePaths;
 use crate::noise::{Noise, Purpose};
 
@@ -254,7 +254,7 @@ impl<'a, P> Group<'a, P> {
         self.pass(0, &watch.largest());
         let streams = std::array::from_fn(|lane| first.wrapping_add(lane as u64));
         let level = SimdLevel::best();
-        let noise = LaneNoise::<M>::new(level, seed, streams, [1.0; LANES]);
+        let noise = LaneNoise::<M>::new(level, seed, streams);
         level.run(Advance::<_, W, M> { group: self, noise, x: &mut x, memory, lives, watch });
         (x, watch.largest())
     }
@@ -277,16 +277,15 @@ impl<P: LanePaths<M>, W: Largest, const M: usize> Work<f64> for Advance<'_, '_, 
     fn run<R: Registers<f64>>(self, _: R) {
         let Self { group, mut noise, x, mut memory, lives, watch } = self;
         let Shared { paths, dt, n_steps, .. } = group.shared;
-        let units = Deviations::UNITS;
         let mut dw = LaneIncrements::ZERO;
         let mut before = x.clone();
         for k in 0..n_steps {
             let (t, step) = (k as f64 * dt, k as u64);
             if P::USES_AREA {
-                noise.next::<true>(&units, &mut dw);
+                noise.next::<true>(1.0, 1.0, &mut dw);
                 group.shift::<true, M>(k, x.as_ref(), &mut dw);
             } else {
-                noise.next::<false>(&units, &mut dw);
+                noise.next::<false>(1.0, 1.0, &mut dw);
                 group.shift::<false, M>(k, x.as_ref(), &mut dw);
             }
             if W::EVERY_STEP {

@@ -1,7 +1,6 @@
 //! Heun's method, for Stratonovich equations.
 
 use crate::error::StepError;
-use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::integrator::{Integrator, apply};
 use crate::noise::Increment;
 use crate::stratonovich::StratonovichSde;
@@ -66,33 +65,6 @@ where
         let kick_ahead = apply(&system.noise(t + dt, &predicted), &dw.brownian);
         for i in 0..D {
             x[i] += 0.5 * (dt * (drift[i] + drift_ahead[i]) + kick[i] + kick_ahead[i]);
-        }
-        Ok(())
-    }
-}
-
-impl FieldIntegrator for Heun {
-    type Memory = ();
-
-    fn step<S: FieldSde + ?Sized>(
-        &self,
-        system: &S,
-        t: f64,
-        dt: f64,
-        dw: FieldIncrement<'_>,
-        x: &mut [f64],
-        workspace: &mut Workspace,
-        _memory: &mut (),
-    ) -> Result<(), StepError> {
-        let [drift, drift_ahead, predicted] = workspace.buffers(x.len());
-        let (now, ahead) = (system.intensity(t), system.intensity(t + dt));
-        system.drift(t, x, drift);
-        for i in 0..x.len() {
-            predicted[i] = x[i] + dt * drift[i] + now * dw.brownian[i];
-        }
-        system.drift(t + dt, predicted, drift_ahead);
-        for i in 0..x.len() {
-            x[i] += 0.5 * (dt * (drift[i] + drift_ahead[i]) + (now + ahead) * dw.brownian[i]);
         }
         Ok(())
     }

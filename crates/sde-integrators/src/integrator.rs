@@ -21,7 +21,7 @@ pub struct Joints {
 /// implementation on `S` states its requirements: any [`Sde`](crate::Sde), additive noise, or the parts of a
 /// [`SecondOrder`](crate::SecondOrder) system.
 pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
-    /// Data of a path kept between steps, other than its state: the last normal, the last iterate.
+    /// Data of a path kept between steps, other than its state, such as the noise of the last step.
     type Memory: Default + Clone + Send;
 
     /// Whether the method uses [`Increment::space_time_area`]. Otherwise an ensemble does not draw it.
@@ -102,40 +102,9 @@ pub trait Integrator<S: ?Sized, const D: usize, const M: usize>: Sync {
     }
 }
 
-/// Implements `Integrator` for a method that advances `(q, v)`.
+/// Implements `Integrator` for a method that advances `(q, v)`, and does part of a step once for all paths of an ensemble.
 ///
 /// The states are `(q_1.., v_1..)` with 1, 2 and 3 degrees of freedom.
-macro_rules! integrate_second_order {
-    ($method:ty { $($n:literal => $d:literal, $memory:ty;)+ }) => { $(
-        impl<S, const M: usize> $crate::integrator::Integrator<S, $d, M> for $method
-        where
-            S: $crate::system::SecondOrder<$n, M> + ?Sized,
-        {
-            type Memory = $memory;
-
-            #[inline]
-            fn step(
-                &self,
-                system: &S,
-                t: f64,
-                dt: f64,
-                dw: &$crate::noise::Increment<M>,
-                x: &mut [f64; $d],
-                memory: &mut Self::Memory,
-            ) -> Result<(), $crate::error::StepError> {
-                let mut q = std::array::from_fn(|k| x[k]);
-                let mut v = std::array::from_fn(|k| x[$n + k]);
-                Self::advance::<S, $n, M>(system, (t, dt), dw, (&mut q, &mut v), memory);
-                x[..$n].copy_from_slice(&q);
-                x[$n..].copy_from_slice(&v);
-                Ok(())
-            }
-        }
-    )+ };
-}
-pub(crate) use integrate_second_order;
-
-/// The same for a method that does part of a step once for all paths of an ensemble.
 ///
 /// `prepare(system, t, dt, joints, memory)` computes what `advance` needs of time, step length and system, independent
 /// of the path. Without a previous step, `open(system, t, dt, q, v)` first performs the part that `advance` omits at

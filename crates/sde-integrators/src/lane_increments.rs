@@ -63,8 +63,6 @@ pub(crate) struct LaneNoise<const M: usize> {
     level: SimdLevel,
     /// The realisation whose words a lane uses.
     streams: [u64; LANES],
-    /// 1, or -1 for an antithetic path.
-    signs: [f64; LANES],
     brownian: Rows,
     area: Rows,
     /// The row of the next normals.
@@ -73,42 +71,19 @@ pub(crate) struct LaneNoise<const M: usize> {
     block: u64,
 }
 
-/// Standard deviations of the increments over a step, with the sign of the path.
-pub(crate) struct Deviations {
-    brownian: [f64; LANES],
-    area: [f64; LANES],
-}
-
-impl Deviations {
-    /// Those of standard normals.
-    pub(crate) const UNITS: Self = Self { brownian: [1.0; LANES], area: [1.0; LANES] };
-}
-
 impl<const M: usize> LaneNoise<M> {
-    pub(crate) fn new(
-        level: SimdLevel,
-        seed: u64,
-        streams: [u64; LANES],
-        signs: [f64; LANES],
-    ) -> Self {
+    pub(crate) fn new(level: SimdLevel, seed: u64, streams: [u64; LANES]) -> Self {
         let brownian = Rows::new(seed, Purpose::Path);
         let area = Rows::new(seed, Purpose::PathArea);
-        Self { level, streams, signs, brownian, area, next: 0, block: 0 }
+        Self { level, streams, brownian, area, next: 0, block: 0 }
     }
 
-    pub(crate) fn deviations(&self, dt: f64) -> Deviations {
-        let (brownian, area) = (dt.sqrt(), (dt / 12.0).sqrt());
-        Deviations {
-            brownian: simd_lanes::map(self.signs, |sign| sign * brownian),
-            area: simd_lanes::map(self.signs, |sign| sign * area),
-        }
-    }
-
-    /// The increments over the next step.
+    /// The increments over the next step, with the standard deviations of `w` and of `H`.
     #[inline(always)]
     pub(crate) fn next<const USES_AREA: bool>(
         &mut self,
-        deviations: &Deviations,
+        deviation: f64,
+        area_deviation: f64,
         increments: &mut LaneIncrements<M>,
     ) {
         for m in 0..M {
@@ -122,12 +97,12 @@ impl<const M: usize> LaneNoise<M> {
             }
             let normals = &self.brownian.normals[row];
             for lane in 0..LANES {
-                increments.brownian[m][lane] = deviations.brownian[lane] * normals[lane];
+                increments.brownian[m][lane] = deviation * normals[lane];
             }
             if USES_AREA {
                 let normals = &self.area.normals[row];
                 for lane in 0..LANES {
-                    increments.space_time_area[m][lane] = deviations.area[lane] * normals[lane];
+                    increments.space_time_area[m][lane] = area_deviation * normals[lane];
                 }
             }
             self.next = (row + 1) % BLOCK_NORMALS;

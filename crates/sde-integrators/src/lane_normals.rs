@@ -13,8 +13,7 @@ const BLOCKS: usize = 32;
 
 /// Normals that drive `L` realisations of a field, one per lane.
 ///
-/// They are those of [`FieldPath`](crate::FieldPath): normal `k M + m` of the realisation's stream for step `k` and
-/// motion `m` of `M`.
+/// Step `k` and motion `m` of `M` take normal `k M + m` of the realisation's stream, as a path of a small state does.
 ///
 /// ```
 /// use sde_integrators::{LaneNormals, Noise, Purpose};

@@ -18,7 +18,6 @@ use crate::law::InitialDistribution;
 use crate::noise::{Noise, Purpose, Stream};
 use crate::samples::Samples;
 use crate::schedule::{EnsembleConfig, schedule};
-use crate::tally::Sampling;
 
 /// Response whose maximum is computed.
 #[derive(Debug, Clone, Copy)]
@@ -108,8 +107,8 @@ where
 {
     let legs = schedule(config)?;
     response.check(D, legs.iter().fold(0.0, |largest, leg| leg.dt.max(largest)))?;
-    let (sampling, level, seed) = (Sampling::Independent, SimdLevel::best(), config.seed);
-    let follow = Follow { system, integrator, law, seed, legs: &legs, sampling, level };
+    let (level, seed) = (SimdLevel::best(), config.seed);
+    let follow = Follow { system, integrator, law, seed, legs: &legs, level };
     let block = |ids: std::ops::Range<u64>| {
         let mut watch = Maximum::new(response, seed, legs.len());
         let mut start = ids.start;

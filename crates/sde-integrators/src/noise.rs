@@ -12,7 +12,7 @@ pub const WORDS_PER_PAIR: u128 = 4;
 
 /// Purpose of a draw. Draws for different purposes never share a word, for any seed.
 ///
-/// The numbers are part of the reproducibility guarantee: they are never changed or reused.
+/// The numbers are part of the reproducibility guarantee: they are never changed or reused. 7 was that of parts of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 #[repr(u64)]
@@ -31,15 +31,13 @@ pub enum Purpose {
     PathArea = 5,
     /// Proposals and acceptances of a Markov chain.
     MarkovChain = 6,
-    /// Parts of a step, given its increment.
-    Refinement = 7,
     /// Points of a unit cube: scrambles of quasi-random points, and pseudo-random points.
     UnitCube = 8,
 }
 
 impl Purpose {
     /// All purposes.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Path,
         Self::InitialDistribution,
         Self::Bridge,
@@ -47,7 +45,6 @@ impl Purpose {
         Self::Bootstrap,
         Self::PathArea,
         Self::MarkovChain,
-        Self::Refinement,
         Self::UnitCube,
     ];
 }

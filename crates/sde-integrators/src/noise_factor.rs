@@ -37,7 +37,7 @@ pub(crate) fn require_length(
     value: usize,
     expected: usize,
 ) -> Result<(), Error> {
-    if value == expected { Ok(()) } else { Err(Error::Length { quantity, value, expected }) }
+    if value == expected { Ok(()) } else { Err(Error::WrongLength { quantity, value, expected }) }
 }
 
 /// Independent motions for each unknown: `O(n)`.
@@ -110,7 +110,7 @@ impl LowRankFactor {
     /// A factor from its columns in sequence, with `n_unknowns` entries each.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for no unknowns, [`Error::Length`] if the last column is incomplete, [`Error::NotFinite`].
+    /// [`Error::TooFew`] for no unknowns, [`Error::WrongLength`] if the last column is incomplete, [`Error::NotFinite`].
     pub fn new(n_unknowns: usize, columns: Vec<f64>) -> Result<Self, Error> {
         if n_unknowns == 0 {
             return Err(Error::TooFew { quantity: "unknowns", value: 0, limit: 1 });
@@ -185,7 +185,7 @@ impl SparseFactor {
     /// Row `i` has the entries `row_starts[i]..row_starts[i + 1]` of `columns` and `values`.
     ///
     /// # Errors
-    /// [`Error::Length`] (`values` against `columns`), [`Error::SparseRow`] if `row_starts` does not begin at 0,
+    /// [`Error::WrongLength`] (`values` against `columns`), [`Error::SparseRow`] if `row_starts` does not begin at 0,
     /// ascend and end at the number of entries, [`Error::SparseColumn`] for a nonexistent column,
     /// [`Error::NotFinite`], [`Error::TooMany`] for more than [`MAX_MOTIONS`](Self::MAX_MOTIONS).
     pub fn new(

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::integrator::Integrator;
 use crate::law::InitialDistribution;
-use crate::tally::{Sampling, Tally};
+use crate::tally::Tally;
 
 /// Identity common to all shards of a study. Its name represents what cannot be compared: system and functions.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,7 +19,6 @@ struct Identity {
     dt: f64,
     times: Vec<f64>,
     path_steps: u128,
-    sampling: Sampling,
     observables: Vec<String>,
     n_shards: u64,
 }
@@ -112,8 +111,7 @@ where
     /// Simulates all paths and counts failed ones.
     ///
     /// # Errors
-    /// Errors of the configuration, as in [`simulate`](crate::simulate); [`Error::NotEven`] for an odd number of
-    /// antithetic paths.
+    /// Errors of the configuration, as in [`simulate`](crate::simulate).
     pub fn run<const M: usize>(&self) -> Result<Outcome, Error>
     where
         I: Integrator<S, D, M>,
@@ -147,7 +145,6 @@ where
             dt: config.dt,
             times: config.times.clone(),
             path_steps: u128::from(steps) * u128::from(config.n_paths),
-            sampling: self.sampling,
             observables: self.observables.iter().map(|o| format!("{o:?}")).collect(),
             n_shards,
         };
@@ -291,7 +288,6 @@ impl Identity {
             ("dt", self.dt.to_string(), other.dt.to_string()),
             ("times", format!("{:?}", self.times), format!("{:?}", other.times)),
             ("path_steps", self.path_steps.to_string(), other.path_steps.to_string()),
-            ("sampling", format!("{:?}", self.sampling), format!("{:?}", other.sampling)),
             ("observables", self.observables.join(" "), other.observables.join(" ")),
             ("n_shards", self.n_shards.to_string(), other.n_shards.to_string()),
         ];

@@ -1,7 +1,6 @@
 //! ShARK: two drift evaluations, strong order 1.5 for additive noise.
 
 use crate::error::StepError;
-use crate::field::{FieldIncrement, FieldIntegrator, FieldSde, Workspace};
 use crate::integrator::{Integrator, apply};
 use crate::noise::Increment;
 use crate::system::{Additive, Sde};
@@ -77,39 +76,6 @@ where
         for i in 0..D {
             let drift = WEIGHTS[0] * k_1[i] + WEIGHTS[1] * k_2[i];
             x[i] += dt * drift + kick[i] + (late_ahead[i] - late_now[i]);
-        }
-        Ok(())
-    }
-}
-
-impl FieldIntegrator for Shark {
-    type Memory = ();
-
-    fn step<S: FieldSde + ?Sized>(
-        &self,
-        system: &S,
-        t: f64,
-        dt: f64,
-        dw: FieldIncrement<'_>,
-        x: &mut [f64],
-        workspace: &mut Workspace,
-        _memory: &mut (),
-    ) -> Result<(), StepError> {
-        let FieldIncrement { brownian: w, space_time_area: area } = dw;
-        let [stage, k_1, k_2] = workspace.buffers(x.len());
-        let (now, ahead) = (system.intensity(t), system.intensity(t + dt));
-        for i in 0..x.len() {
-            stage[i] = x[i] + now * area[i];
-        }
-        system.drift(t, stage, k_1);
-        for i in 0..x.len() {
-            stage[i] += NODE * (dt * k_1[i] + now * w[i]);
-        }
-        system.drift(t + NODE * dt, stage, k_2);
-        for i in 0..x.len() {
-            let drift = WEIGHTS[0] * k_1[i] + WEIGHTS[1] * k_2[i];
-            let late = (ahead - now) * (0.5 * w[i] - area[i]);
-            x[i] += dt * drift + now * w[i] + late;
         }
         Ok(())
     }

@@ -5,8 +5,8 @@
 mod drawn;
 #[path = "any_input/ensembles.rs"]
 mod ensembles;
-#[path = "any_input/fields.rs"]
-mod fields;
+#[path = "any_input/factors.rs"]
+mod factors;
 #[path = "any_input/rare.rs"]
 mod rare;
 
@@ -14,13 +14,11 @@ use std::alloc::System;
 
 use cap::Cap;
 use proptest::prelude::*;
-use sde_integrators::{
-    AdaptivePath, DiagonalNoise, Estimate, Milstein, Noise, Samples, Sra1, StepControl,
-};
+use sde_integrators::{Estimate, Samples};
 
-use drawn::{Cubic, cubic, is_told, number, numbers};
+use drawn::{is_told, number, numbers};
 pub(crate) use ensembles::{ensemble, has_maxima, is_followed_by_every_method, watched};
-pub(crate) use fields::{field, steps_by_every_factor};
+pub(crate) use factors::{entries, makes_every_factor};
 pub(crate) use rare::{estimates_the_rare, rare};
 
 /// An allocation beyond it ends the program.
@@ -28,39 +26,6 @@ const MOST_BYTES: usize = 1 << 30;
 
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, MOST_BYTES);
-
-/// A system, its start, the control of its step, seed and realisation.
-type Path = (Cubic, [f64; 2], StepControl, (u64, u64));
-
-pub(crate) fn adaptive_path() -> impl Strategy<Value = Path> {
-    let halvings = prop_oneof![6 => 0_u32..20, 1 => any::<u32>()];
-    let control = (number(), number(), number(), halvings).prop_map(
-        |(longest, absolute, relative, halvings)| StepControl {
-            longest,
-            absolute,
-            relative,
-            halvings,
-        },
-    );
-    (cubic(), prop::array::uniform2(number()), control, any::<(u64, u64)>())
-}
-
-pub(crate) fn adapts(
-    (system, start, control, (seed, realisation)): Path,
-) -> Result<(), TestCaseError> {
-    let noise = Noise::new(seed);
-    if let Ok(mut path) = AdaptivePath::new(&system, &Sra1, &noise, realisation, start, &control) {
-        let _ = path.step().and_then(|_| path.step());
-        prop_assert!(path.state().iter().all(|x| x.is_finite()));
-    }
-    let system = DiagonalNoise(system);
-    let path = AdaptivePath::new(&system, &Milstein, &noise, realisation, start, &control);
-    if let Ok(mut path) = path {
-        let _ = path.step().and_then(|_| path.step());
-        prop_assert!(path.state().iter().all(|x| x.is_finite()));
-    }
-    Ok(())
-}
 
 /// Values, a level, a probability, hits and trials.
 type Sample = (Vec<f64>, f64, f64, (u64, u64));
@@ -91,13 +56,8 @@ proptest! {
     }
 
     #[test]
-    fn an_adaptive_path_starts_or_says_why_not(path in adaptive_path()) {
-        adapts(path)?;
-    }
-
-    #[test]
-    fn a_field_starts_or_says_why_not(field in field()) {
-        steps_by_every_factor(field)?;
+    fn a_factor_is_made_or_says_why_not(entries in entries()) {
+        makes_every_factor(entries)?;
     }
 
     #[test]

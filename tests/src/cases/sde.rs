@@ -1,13 +1,9 @@
 //! What is claimed of the methods of `sde-integrators`.
 
 pub(crate) mod explosion;
-pub(crate) mod fields;
 pub(crate) mod mean_square;
 pub(crate) mod normals;
 pub(crate) mod orders;
 pub(crate) mod oscillator_bias;
 pub(crate) mod oscillator_ensemble;
-pub(crate) mod oscillator_limits;
 pub(crate) mod quartic;
-pub(crate) mod refinement;
-pub(crate) mod stationary;

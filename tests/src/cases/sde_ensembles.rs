@@ -1,7 +1,6 @@
 //! What is claimed of the ensembles of `sde-integrators`: bitwise identical however they are computed, and estimates that
 //! agree with exact values.
 
-pub(crate) mod failures;
 pub(crate) mod first_passage;
 pub(crate) mod rare_events;
 pub(crate) mod reproducibility;

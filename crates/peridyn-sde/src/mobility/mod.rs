@@ -225,8 +225,7 @@ impl Mobility {
     }
 }
 
-/// A mobility as the noise factor of a field of displacements `[node][component]`: what
-/// [`FieldSde`](sde_integrators::FieldSde) asks for.
+/// A mobility as the noise factor of a field of displacements `[node][component]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplacementNoise {
     /// Its spatial factor.

@@ -8,8 +8,7 @@ use fpk_sph::systems::{
 use random_vibration::{GuidedPaths, Linearisation, TailError, TailPaths};
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, General, Integrator,
-    Observable, Sampling, Sde, SemiImplicitEuler, ShardRecord, Shark, SimdLevel, StrangOscillator,
-    Study,
+    Observable, Sde, SemiImplicitEuler, ShardRecord, Shark, SimdLevel, StrangOscillator, Study,
 };
 
 use super::density::Erased;
@@ -81,8 +80,8 @@ impl<const D: usize> PathEnsemble<'_, D> {
         (shard, n_shards): (u64, u64),
     ) -> Result<ShardRecord, PathsError> {
         let Self { law, config, observables } = *self;
-        let (name, sampling, level) = ("", Sampling::Independent, SimdLevel::best());
-        let study = Study { name, system, integrator, law, config, observables, sampling, level };
+        let (name, level) = ("", SimdLevel::best());
+        let study = Study { name, system, integrator, law, config, observables, level };
         Ok(study.shard::<M>(shard, n_shards)?)
     }
 }

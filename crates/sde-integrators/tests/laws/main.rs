@@ -1,6 +1,5 @@
 //! What must hold of every draw, law, method and ensemble.
 
-mod adaptive;
 mod custom_lane_sde;
 mod ensemble;
 mod estimate;

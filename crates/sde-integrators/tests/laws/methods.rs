@@ -2,7 +2,7 @@
 
 use sde_integrators::{
     EulerMaruyama, Increment, Integrator, LinearFlows, SecondOrder, SemiImplicitEuler, StateSpace,
-    StrangOscillator,
+    StochasticTheta, StrangOscillator,
 };
 
 use crate::moments::{Moments, after_steps, exact, order, probe, stationary, strong_difference};
@@ -145,15 +145,49 @@ fn semi_implicit_euler_has_its_known_stationary_errors() {
     }
 }
 
-/// `1/(1 - h omega/(2 xi))` to leading order: twice the variance at half the limit, +- O(h omega).
+/// `q` under a linear method is a second-order autoregression, whose variance is known. With `a = h omega` and
+/// `d = c h = 2 xi a`, relative to the exact `E[q^2]`; tolerance: roundoff, `eps` times the steps of a relaxation time.
 #[test]
-fn euler_maruyama_doubles_the_variance_at_half_its_limit_of_stability() {
-    let (omega, xi, s) = (2.0, 0.05, 1.0);
-    let (c, dt) = (2.0 * xi * omega, xi / omega);
-    let system = StateSpace(Linear::oscillator(omega, c, s));
-    let p = stationary(&probe::<_, _, 2>(&system, &EulerMaruyama, 0.0, dt), dt);
+fn linear_methods_have_the_stationary_variance_of_their_autoregression() {
+    let semi_implicit = |xi: f64, a: f64| 1.0 / (1.0 - a * a / (4.0 - 4.0 * xi * a));
+    let backward = |xi: f64, a: f64| {
+        let d = 2.0 * xi * a;
+        2.0 * d * (2.0 + d + a * a) / ((d + a * a) * (4.0 + 2.0 * d + a * a))
+    };
+    let euler = |xi: f64, a: f64| {
+        let d = 2.0 * xi * a;
+        (4.0 - 2.0 * d + 2.0 * a * a) / (4.0 - 2.0 * d + a * a) * d / (d - a * a)
+    };
+    for xi in [0.02, 0.05, 0.5] {
+        // At half the damping the limit of the semi-implicit method is 2 (sqrt(1.25) - 0.5) = 1.236.
+        for a in [0.05, 0.4, 1.2] {
+            is_as_stated(&SemiImplicitEuler, xi, a, semi_implicit(xi, a));
+        }
+        for a in [0.05, 0.4, 1.3, 1.9] {
+            is_as_stated(&StochasticTheta::BACKWARD_EULER, xi, a, backward(xi, a));
+            let p = is_as_stated(&StochasticTheta::TRAPEZOIDAL, xi, a, 1.0);
+            assert!(p[0][1].abs() < 1e-12 * (p[0][0] * p[1][1]).sqrt(), "xi {xi}, h omega {a}");
+            assert!((p[1][1] / (4.0 * p[0][0]) - 1.0).abs() < 1e-12, "xi {xi}, h omega {a}");
+        }
+        // Euler-Maruyama is stable for h omega < 2 xi alone.
+        for share in [0.1, 0.5, 0.9] {
+            let a = share * 2.0 * xi;
+            is_as_stated(&EulerMaruyama, xi, a, euler(xi, a));
+        }
+    }
+}
+
+/// Checks `E[q^2]` at `omega = 2` and returns the stationary covariance.
+fn is_as_stated<I>(method: &I, xi: f64, angle: f64, expected: f64) -> crate::moments::Matrix
+where
+    I: Integrator<StateSpace<Linear>, 2, 1>,
+{
+    let (omega, s) = (2.0, 0.7);
+    let (c, dt) = (2.0 * xi * omega, angle / omega);
+    let p = stationary(&probe(&StateSpace(Linear::oscillator(omega, c, s)), method, 0.0, dt), dt);
     let ratio = p[0][0] / (s * s / (2.0 * c) / (omega * omega));
-    assert!((ratio - 2.0).abs() < 2.0 * xi, "{ratio}");
+    assert!((ratio / expected - 1.0).abs() < 1e-12, "xi {xi}, h omega {angle}: {ratio} {expected}");
+    p
 }
 
 const START: [f64; 2] = [0.4, -0.7];

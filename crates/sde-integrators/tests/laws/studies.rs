@@ -1,69 +1,15 @@
 //! Studies, bridges, samples, rare events: what must hold of each.
 
 use sde_integrators::{
-    Additive, Between, BrownianTree, DesignPoint, DrivenPath, EnsembleConfig, Error, EulerMaruyama,
-    Increment, Integrator, Joints, LANES, LaneIncrements, LinearFlows, Noise, Observable, Response,
-    Samples, Sampling, Sde, SemiImplicitEuler, Side, SimdLevel, StateSpace, StrangOscillator,
-    Study, SubsetConfig, Uncertainty, design_point, importance_sampling, maxima, merge,
-    merge_so_far, subset_simulation,
+    Additive, Between, DesignPoint, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Integrator,
+    Joints, LANES, LaneIncrements, LinearFlows, Noise, Observable, Response, Samples, Sde,
+    SemiImplicitEuler, Side, SimdLevel, StateSpace, StrangOscillator, Study, SubsetConfig,
+    Uncertainty, design_point, importance_sampling, maxima, merge, merge_so_far, subset_simulation,
 };
 
 use crate::methods::Linear;
 
 const OSCILLATOR: StateSpace<Linear> = StateSpace(Linear::oscillator(2.0, 0.3, 0.9));
-
-/// Two steps from one: with the law of two fresh ones. |z| < 4 for each moment of 1e5 samples.
-#[test]
-fn a_bridge_has_the_law_of_two_steps_and_joins_to_the_whole() {
-    let dt = 0.3;
-    let mut sums = [0.0; 10];
-    let n = 100_000;
-    for realisation in 0..n {
-        let whole = Noise::new(1).path::<1>(realisation).next_increment(dt);
-        let mut stream = Noise::new(2).stream(sde_integrators::Purpose::Field, realisation);
-        let [first, second] = whole.halves(dt, &[stream.next_normal_pair()]);
-        let joined = Increment::from_halves(&first, &second);
-        assert!((joined.brownian[0] - whole.brownian[0]).abs() < 1e-15);
-        assert!((joined.space_time_area[0] - whole.space_time_area[0]).abs() < 1e-15);
-        let scaled = |increment: &Increment<1>| {
-            let half = 0.5 * dt;
-            [
-                increment.brownian[0] / half.sqrt(),
-                increment.space_time_area[0] / (half / 12.0).sqrt(),
-            ]
-        };
-        let ([a, b], [c, d]) = (scaled(&first), scaled(&second));
-        let squares = [a, b, c, d].map(|z| (z * z - 1.0) / 2.0_f64.sqrt());
-        let products = [a * b, a * c, a * d, b * c, b * d, c * d];
-        for (sum, value) in sums.iter_mut().zip(squares.into_iter().chain(products)) {
-            *sum += value;
-        }
-    }
-    for (k, sum) in sums.iter().enumerate() {
-        let z = sum / (n as f64).sqrt();
-        assert!(z.abs() < 4.0, "moment {k}: z = {z}");
-    }
-}
-
-#[test]
-fn a_tree_shows_one_path_at_every_depth() {
-    let tree = BrownianTree::<2>::new(Noise::new(5), 9, 0.4);
-    let join =
-        |a: &[u8], b: &[u8]| Increment::from_halves(&tree.increment(6, a), &tree.increment(6, b));
-    let whole = tree.increment(6, &[]);
-    for (joined, part) in [
-        (join(&[0], &[1]), whole),
-        (join(&[1, 0], &[1, 1]), tree.increment(6, &[1])),
-        (join(&[0, 1, 0], &[0, 1, 1]), tree.increment(6, &[0, 1])),
-    ] {
-        for m in 0..2 {
-            assert!((joined.brownian[m] - part.brownian[m]).abs() < 1e-15);
-            assert!((joined.space_time_area[m] - part.space_time_area[m]).abs() < 1e-15);
-        }
-    }
-    assert_ne!(tree.increment(6, &[0, 0]), tree.increment(6, &[0, 1]));
-    assert_ne!(tree.increment(6, &[0]), tree.increment(7, &[0]));
-}
 
 /// What lanes do is what single steps do, whatever the method and whatever the instructions.
 #[test]
@@ -164,7 +110,6 @@ impl Sde<1, 1> for Cubic {
 
 fn cubic<T>(
     n_paths: u64,
-    sampling: Sampling,
     look: impl FnOnce(&Study<'_, Cubic, EulerMaruyama, [f64; 1], 1>) -> T,
 ) -> T {
     let config = EnsembleConfig { seed: 3, n_paths, dt: 0.1, times: vec![20.0] };
@@ -175,14 +120,13 @@ fn cubic<T>(
         law: &[0.0],
         config: &config,
         observables: &[Observable::Mean(&|_, x| x[0])],
-        sampling,
         level: SimdLevel::best(),
     })
 }
 
 #[test]
 fn failed_paths_are_counted_and_no_estimate_is_made_of_the_rest() {
-    cubic(5_000, Sampling::Independent, |study| {
+    cubic(5_000, |study| {
         let outcome = study.run::<1>().unwrap();
         let mut n_failed = 0;
         let mut first = None;
@@ -208,7 +152,7 @@ fn failed_paths_are_counted_and_no_estimate_is_made_of_the_rest() {
 
 #[test]
 fn wrong_sets_of_shards_are_refused_by_name() {
-    cubic(9_000, Sampling::Independent, |study| {
+    cubic(9_000, |study| {
         let all: Vec<_> = (0..2).map(|k| study.shard::<1>(k, 2).unwrap()).collect();
         let [first, second] = all.as_slice() else { unreachable!("two shards") };
         assert_eq!(merge(&[second.clone(), first.clone()]), study.run::<1>());
@@ -230,10 +174,6 @@ fn wrong_sets_of_shards_are_refused_by_name() {
         );
         assert!(matches!(merge(&[]), Err(Error::TooFew { .. })));
     });
-    cubic(9, Sampling::Antithetic, |study| {
-        let expected = Error::NotEven { quantity: "antithetic paths", value: 9 };
-        assert_eq!(study.run::<1>().unwrap_err(), expected);
-    });
 }
 
 /// Shards of paths 0 to 4095 and from 8192 on: what the first alone comes to is the ensemble of its paths, and all are what [`merge`] gives.
@@ -251,7 +191,6 @@ fn shards_that_are_there_say_what_is_known_so_far() {
         law: &[0.0; 2],
         config: &config,
         observables: &observables,
-        sampling: Sampling::Independent,
         level: SimdLevel::best(),
     };
     let shards: Vec<_> = (0..3).map(|k| study.shard::<1>(k, 3).unwrap()).collect();
@@ -264,25 +203,6 @@ fn shards_that_are_there_say_what_is_known_so_far() {
     let twice = [shards[0].clone(), shards[0].clone()];
     assert_eq!(merge_so_far(&twice).unwrap_err(), Error::DoubledShard { shard: 0 });
     assert!(matches!(merge_so_far(&[]), Err(Error::TooFew { .. })));
-}
-
-/// A pair starts together and is driven apart: for a linear system from zero its mean is exactly zero.
-#[test]
-fn antithetic_pairs_cancel_what_is_linear() {
-    let config = EnsembleConfig { seed: 3, n_paths: 1_000, dt: 0.1, times: vec![2.0] };
-    let observables = [Observable::Mean(&|_, x: &[f64; 2]| x[0])];
-    let study = Study {
-        name: "",
-        system: &OSCILLATOR,
-        integrator: &SemiImplicitEuler,
-        law: &[0.0; 2],
-        config: &config,
-        observables: &observables,
-        sampling: Sampling::Antithetic,
-        level: SimdLevel::best(),
-    };
-    let estimate = study.run::<1>().unwrap().ensemble().unwrap().estimates[0][0];
-    assert!(estimate.value.abs() <= 0.0 && estimate.standard_error() == Some(0.0), "{estimate}");
 }
 
 /// Uniform ranks: the quantiles of 1, 2, .., 1000 and their binomial spread.

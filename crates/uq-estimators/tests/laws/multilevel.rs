@@ -1,6 +1,6 @@
 //! Multilevel Monte Carlo on ladders with closed forms.
 
-use sde_integrators::{EulerMaruyama, General, Noise, Purpose, Sde, Sra1};
+use sde_integrators::{EulerMaruyama, General, Noise, Purpose, Sde, Shark};
 use uq_estimators::{
     Bias, Error, Failure, Ladder, Levels, Multilevel, MultilevelResult, Pair, PathLadder, Progress,
     Statistic, Target, Tolerance,
@@ -154,7 +154,7 @@ fn coarse_paths_follow_the_fine_ones() {
     }
     let ladder = PathLadder::<_, _, _, _, 1, 1> {
         system: &Sine,
-        integrator: &Sra1,
+        integrator: &Shark,
         law: &[0.3],
         seed: 9,
         end: 1.0,

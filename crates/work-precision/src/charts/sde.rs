@@ -99,7 +99,7 @@ fn sine(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         rival: Some(&rival),
         diffrax: Some("sine"),
     };
-    drawings(context, &problem, &additive()?, &reference)
+    drawings(context, &problem, &additive(), &reference)
 }
 
 fn damper(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
@@ -170,7 +170,7 @@ fn geometric(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         rival: Some(&rival),
         diffrax: None,
     };
-    drawings(context, &problem, &diagonal()?, &exact)
+    drawings(context, &problem, &diagonal(), &exact)
 }
 
 fn populations(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
@@ -197,7 +197,7 @@ fn populations(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         rival: None,
         diffrax: None,
     };
-    drawings(context, &problem, &diagonal()?, &reference)
+    drawings(context, &problem, &diagonal(), &reference)
 }
 
 fn drawings<S, const D: usize, const M: usize>(

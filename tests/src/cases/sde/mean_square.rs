@@ -2,8 +2,8 @@
 
 use result_figures::ErrorKind;
 use sde_integrators::{
-    DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, Milstein, SkRock, StochasticTheta,
-    StratonovichForm,
+    DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, ItoForm, Milstein, Sde,
+    StochasticTheta, StratonovichForm, StratonovichSde,
 };
 use work_precision::problems::sde::problems::Geometric;
 use work_precision::problems::sde::reference::MeanSquare;
@@ -14,8 +14,8 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/mean-square-stability",
-    title: "mean-square amplification and its boundary on the linear test equation, by quadrature",
-    source: "Higham 2000; Abdulle, Almuslimani and Vilmart 2018; derived/sde/mean_square_stability.json",
+    title: "mean-square amplification and its boundary on the linear test equation, by quadrature; the Itô form of a random rotation",
+    source: "Higham 2000; derived/sde/mean_square_stability.json",
     cost: Profile::Quick,
     schedule: Schedule::Together,
     run,
@@ -79,18 +79,12 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         worst.take("theta-0.25", ray, on_ray(ray, &theta)?, Formula::Theta(0.25), None)?;
         worst.take("heun", ray, heun_on_ray(ray)?, Formula::Heun, survey.heun.get(k).copied())?;
     }
-    for (n_stages, without_noise, with_noise) in survey.sk_rock {
-        let method = SkRock::new(n_stages)?;
-        for (ray, published) in [(0.0, without_noise), (0.999, with_noise)] {
-            let (id, formula) = (format!("sk-rock-{n_stages}"), Formula::SkRock(n_stages));
-            worst.take(&id, ray, on_ray(ray, &method)?, formula, Some(published))?;
-        }
-    }
     let mut claims: Vec<Claim> =
         worst.formula.iter().map(|(id, error)| boundary_claim(context, id, *error)).collect();
     claims.push(survey_claim(context, &worst));
     claims.push(amplification_claim(context)?);
     claims.push(unlimited_claim(context)?);
+    claims.push(ito_claim(context));
     Ok(claims)
 }
 
@@ -137,10 +131,7 @@ fn survey_claim(context: &Context<'_>, worst: &Worst) -> Claim {
         "survey",
         "worst relative difference of the largest stable |l| h to an independent script",
         "",
-        &format!(
-            "three methods on five rays, SK-ROCK with 3 to 20 stages; furthest: {}",
-            worst.place
-        ),
+        &format!("three methods on five rays; furthest: {}", worst.place),
     );
     let reason = "the script's grid has steps of 0.3 %";
     Claim::within(subject, ErrorKind::Absolute, (worst.survey, 0.0), 3.5e-3, reason)
@@ -150,8 +141,7 @@ fn survey_claim(context: &Context<'_>, worst: &Worst) -> Claim {
 fn amplification_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
     let mut worst = 0.0_f64;
     for (formula, dt) in [0.1, 0.25, 0.4].into_iter().flat_map(|dt| {
-        [Formula::Theta(0.0), Formula::Milstein, Formula::Heun, Formula::SkRock(5)]
-            .map(|formula| (formula, dt))
+        [Formula::Theta(0.0), Formula::Milstein, Formula::Heun].map(|formula| (formula, dt))
     }) {
         let measured = work_precision::problems::sde::stability::amplification_of(
             formula,
@@ -166,7 +156,7 @@ fn amplification_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
         "amplification",
         "worst relative error of E|R|^2",
         "",
-        "Euler-Maruyama, Milstein, Heun, SK-ROCK 5 at l = -3, m = sqrt(3), h = 0.1, 0.25, 0.4",
+        "Euler-Maruyama, Milstein, Heun at l = -3, m = sqrt(3), h = 0.1, 0.25, 0.4",
     );
     let reason = "roundoff: some hundred operations of the quadrature";
     Ok(Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-13, reason))
@@ -196,4 +186,39 @@ fn unlimited_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
         "theta 0.5, 0.75, 1; |l| h from 0.01 to 10^6; noise up to 0.999 of the limit of the equation",
     );
     Ok(Claim::same_bits(subject, unstable, all, "stable whenever the equation is"))
+}
+
+/// `dX = J X o dB` with the quarter turn `J`.
+struct Rotation;
+
+impl StratonovichSde<2, 1> for Rotation {
+    fn drift(&self, _: f64, _: &[f64; 2]) -> [f64; 2] {
+        [0.0; 2]
+    }
+
+    fn noise(&self, _: f64, &[x, y]: &[f64; 2]) -> [[f64; 1]; 2] {
+        [[-y], [x]]
+    }
+}
+
+/// The drift of the Itô form is `J J X/2 = -X/2`.
+fn ito_claim(context: &Context<'_>) -> Claim {
+    let mut worst = 0.0_f64;
+    for x in [[1.0, 0.0], [0.3, -2.0], [-50.0, 7.0], [1e-3, 1e-3]] {
+        let drift = Sde::<2, 1>::drift(&ItoForm(Rotation), 0.0, &x);
+        let length = x[0].hypot(x[1]);
+        for k in 0..2 {
+            let error = (drift[k] + 0.5 * x[k]).abs() / length;
+            worst = if error.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(error) };
+        }
+    }
+    let subject = context.subject(
+        "ito-form/rotation",
+        "worst error of the drift, over |x|",
+        "",
+        "ItoForm of dX = J X o dB at four states",
+    );
+    let reason =
+        "roundoff: central differences of a linear function, eps^(2/3) over the ratio of |x| to 1";
+    Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-7, reason)
 }

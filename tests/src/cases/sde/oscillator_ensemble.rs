@@ -6,7 +6,7 @@ use fpk_sph::systems::{
 };
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
-    Baoab, EnsembleConfig, GaussianMixture, Integrator, Observable, SecondOrder, SemiImplicitEuler,
+    EnsembleConfig, GaussianMixture, Integrator, Observable, SecondOrder, SemiImplicitEuler,
     StrangOscillator, simulate,
 };
 use work_precision::problems::sde::reference::OscillatorEnsemble;
@@ -92,7 +92,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     context.progress("Strang, BAOAB, semi-implicit Euler");
     let mut claims = rows(context, "strang", &StrangOscillator, &system, (0.02, n_paths))?;
-    claims.extend(rows(context, "baoab", &Baoab, &system, (0.02, n_paths))?);
     let semi_implicit = ("semi-implicit-euler", &SemiImplicitEuler);
     claims.extend(rows(context, semi_implicit.0, semi_implicit.1, &system, (0.005, n_paths))?);
     if context.profile > Profile::Quick {

@@ -1,10 +1,9 @@
-//! Rare events and smaller errors: importance sampling, subset simulation, control variates, antithetic paths.
+//! Rare events: importance sampling and subset simulation.
 
 use result_figures::ErrorKind;
 use sde_integrators::{
-    Additive, DrivenPath, Ensemble, EnsembleConfig, Error, EulerMaruyama, Noise, Observable,
-    Sampling, Sde, SimdLevel, StrangOscillator, Study, SubsetConfig, design_point,
-    importance_sampling, subset_simulation,
+    Additive, DrivenPath, Error, EulerMaruyama, Noise, Sde, StrangOscillator, SubsetConfig,
+    design_point, importance_sampling, subset_simulation,
 };
 
 use super::{Oscillator, against_exact, upper_tail};
@@ -13,7 +12,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/ensembles/rare-events",
-    title: "Importance sampling, subset simulation, control variates and antithetic paths against exact values",
+    title: "Importance sampling and subset simulation against exact values",
     source: "Caughey & Stumpf 1961; reflection principle",
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -27,7 +26,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = oscillator(context, OSCILLATOR)?;
     claims.push(mutated(context)?);
     claims.push(first_passage(context)?);
-    claims.extend(smaller_errors(context)?);
     Ok(claims)
 }
 
@@ -156,74 +154,4 @@ fn first_passage(context: &Context<'_>) -> Result<Claim, CaseError> {
         2.0 * upper_tail(4.0),
         (0.1, "the bias of a run: the square of its coefficient of variation, 0.3"),
     )
-}
-
-fn ensemble(sampling: Sampling, observables: &[Observable<'_, 2>]) -> Result<Ensemble, CaseError> {
-    let config = EnsembleConfig { seed: 8, n_paths: 20_000, dt: 0.05, times: vec![TIME] };
-    let study = Study {
-        name: "smaller errors",
-        system: &OSCILLATOR,
-        integrator: &StrangOscillator,
-        law: &[0.3, 0.0],
-        config: &config,
-        observables,
-        sampling,
-        level: SimdLevel::best(),
-    };
-    Ok(study.run::<1>()?.ensemble()?)
-}
-
-/// `E[exp(a q)]`: the mean plain, with `q` as control, and by antithetic paths; all against the lognormal mean.
-fn smaller_errors(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    const A: f64 = 0.3;
-    let Oscillator { omega, xi, .. } = OSCILLATOR;
-    let damped = omega * (1.0 - xi * xi).sqrt();
-    let mean = |t: f64| {
-        0.3 * (-xi * omega * t).exp()
-            * ((damped * t).cos() + xi * omega / damped * (damped * t).sin())
-    };
-    let value = |_: f64, x: &[f64; 2]| (A * x[0]).exp();
-    let plain = [Observable::Mean(&value)];
-    let controlled =
-        [Observable::Controlled { value: &value, control: &|_, x| x[0], expected: &mean }];
-    let exact = (A * mean(TIME) + 0.5 * A * A * OSCILLATOR.variance(TIME)).exp();
-    let mut claims = Vec::new();
-    let mut errors = Vec::new();
-    for (name, sampling, observables) in [
-        ("plain", Sampling::Independent, &plain),
-        ("control-variate", Sampling::Independent, &controlled),
-        ("antithetic", Sampling::Antithetic, &plain),
-    ] {
-        let estimate = ensemble(sampling, observables)?.estimates[0][0];
-        errors.push(estimate.standard_error().ok_or("no standard error")?);
-        claims.push(against_exact(
-            context,
-            (name, "E[exp(0.3 q)]", "Strang, h = 0.05, 20,000 paths"),
-            &estimate,
-            exact,
-            (3e-4, "the mean and the variance err by (omega h)^2/24 and less, 4e-4 of them"),
-        )?);
-    }
-    // With s the deviation of a q: its correlation with exp(a q) has the square s^2/(exp s^2 - 1), and that of exp(a q) with
-    // exp(-a q) about the mean is -exp(-s^2).
-    let square = A * A * OSCILLATOR.variance(TIME);
-    let controlled = (1.0 - square / square.exp_m1()).powf(-0.5);
-    let antithetic = (-(-square).exp_m1()).powf(-0.5);
-    for (name, k, exact) in
-        [("control-variate-gain", 1, controlled), ("antithetic-gain", 2, antithetic)]
-    {
-        claims.push(Claim::within(
-            context.subject(
-                name,
-                "standard error, plain over this",
-                "",
-                "20,000 paths, against the closed form for a normal response",
-            ),
-            ErrorKind::Relative,
-            (errors[0] / errors[k], exact),
-            0.05,
-            "statistics: the ratio of two deviations of 20,000 values, 1 % each where tails are normal",
-        ));
-    }
-    Ok(claims)
 }

@@ -13,7 +13,6 @@ pub(super) fn mean_square() -> Result<Drawing, CaseError> {
         ("Milstein", Formula::Milstein),
         ("Heun", Formula::Heun),
         ("theta = 0.25", Formula::Theta(0.25)),
-        ("SK-ROCK, 5 stages", Formula::SkRock(5)),
     ];
     let line = |&(name, formula): &(&str, Formula)| Line {
         name: name.into(),

@@ -1,7 +1,7 @@
 //! The largest stable step of a linear oscillator, by formula and by the spectral radius of one step.
 
 use sde_integrators::{
-    Baoab, EulerMaruyama, Heun, Integrator, SemiImplicitEuler, Shark, StateSpace, StepError,
+    EulerMaruyama, Heun, Integrator, SemiImplicitEuler, Shark, StateSpace, StepError,
 };
 
 use super::linear::probe;
@@ -15,8 +15,6 @@ pub enum Limited {
     EulerMaruyama,
     /// Semi-implicit Euler.
     SemiImplicitEuler,
-    /// BAOAB.
-    Baoab,
     /// Heun.
     Heun,
     /// ShARK.
@@ -27,7 +25,6 @@ pub enum Limited {
 pub const METHODS: &[(&str, Limited)] = &[
     ("Euler-Maruyama", Limited::EulerMaruyama),
     ("semi-implicit Euler", Limited::SemiImplicitEuler),
-    ("BAOAB", Limited::Baoab),
     ("Heun", Limited::Heun),
     ("ShARK", Limited::Shark),
 ];
@@ -38,7 +35,6 @@ pub fn formula(method: Limited, xi: f64) -> f64 {
     match method {
         Limited::EulerMaruyama => 2.0 * xi,
         Limited::SemiImplicitEuler => 2.0 * (f64::hypot(1.0, xi) - xi),
-        Limited::Baoab => 2.0,
         Limited::Heun | Limited::Shark => explicit_second_order(xi),
     }
 }
@@ -51,7 +47,6 @@ pub fn measured(method: Limited, xi: f64) -> Result<f64, CaseError> {
     match method {
         Limited::EulerMaruyama => edge(xi, &EulerMaruyama),
         Limited::SemiImplicitEuler => edge(xi, &SemiImplicitEuler),
-        Limited::Baoab => edge(xi, &Baoab),
         Limited::Heun => edge(xi, &Heun),
         Limited::Shark => edge(xi, &Shark),
     }

@@ -1,8 +1,6 @@
 //! Problems with a closed form or a trusted fine reference.
 
-use sde_integrators::{
-    Additive, DiagonalSde, FieldSde, NoiseFactor, Sde, SecondOrder, StratonovichSde,
-};
+use sde_integrators::{Additive, DiagonalSde, Sde, SecondOrder, StratonovichSde};
 
 /// `dX = (-sin 3X - 0.2 X) dt + 0.8 dW`: a drift that is nonlinear in the noisy variable, which distinguishes strong order 1.5
 /// from 1.
@@ -221,32 +219,5 @@ impl StratonovichSde<1, 1> for StratonovichGrowth {
 
     fn noise(&self, _: f64, x: &[f64; 1]) -> [[f64; 1]; 1] {
         [[0.3 * x[0]]]
-    }
-}
-
-/// The heat equation on a rod with noise, by second differences: `dX_i = k (X_{i-1} - 2 X_i + X_{i+1}) dt + (L dB)_i`
-/// with cold ends.
-#[derive(Debug, Clone)]
-pub struct Rod<F> {
-    /// `k`, per time; the largest eigenvalue is below `4 k`.
-    pub conductivity: f64,
-    /// `L`.
-    pub factor: F,
-}
-
-impl<F: NoiseFactor> FieldSde for Rod<F> {
-    type Factor = F;
-
-    fn drift(&self, _: f64, x: &[f64], drift: &mut [f64]) {
-        let n = x.len();
-        for i in 0..n {
-            let left = if i > 0 { x[i - 1] } else { 0.0 };
-            let right = if i + 1 < n { x[i + 1] } else { 0.0 };
-            drift[i] = self.conductivity * (left - 2.0 * x[i] + right);
-        }
-    }
-
-    fn factor(&self) -> &F {
-        &self.factor
     }
 }

@@ -16,8 +16,6 @@ pub struct MeanSquare {
     pub milstein: Vec<f64>,
     /// Ray by ray.
     pub heun: Vec<f64>,
-    /// Number of stages, the value without noise, the value at the ray 0.999.
-    pub sk_rock: Vec<(u64, f64, f64)>,
 }
 
 impl MeanSquare {

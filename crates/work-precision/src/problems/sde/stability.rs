@@ -1,7 +1,7 @@
 //! Mean-square amplification on `dX = l X dt + m X dB`: by quadrature over a step, and by formula.
 
 use sde_integrators::{
-    DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, Milstein, SkRock, StepError,
+    DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, Milstein, StepError,
     StochasticTheta, StratonovichForm,
 };
 
@@ -22,8 +22,6 @@ pub enum Formula {
     Milstein,
     /// Heun on the Stratonovich form.
     Heun,
-    /// SK-ROCK with this many stages.
-    SkRock(u64),
 }
 
 impl Formula {
@@ -43,44 +41,7 @@ impl Formula {
                 let fourth = a.powi(4) + 6.0 * a * a * q + 3.0 * q * q;
                 1.0 + 2.0 * a + 2.0 * second + third + 0.25 * fourth
             }
-            Self::SkRock(n_stages) => {
-                let (a, b) = sk_rock_factors(n_stages, p);
-                a * a + b * b * q
-            }
         }
-    }
-}
-
-/// `A` and `B` of SK-ROCK at `p = l h`: on `dX = l X dt + g dB` a step is `A x + B g w`.
-#[must_use]
-pub fn sk_rock_factors(n_stages: u64, p: f64) -> (f64, f64) {
-    let s = n_stages as f64;
-    let w_0 = 1.0 + SkRock::DAMPING / (s * s);
-    // T_s' = s U_{s-1}
-    let w_1 = chebyshev(s, w_0).0 / (s * chebyshev(s, w_0).1);
-    let x = w_0 + w_1 * p;
-    let a = chebyshev(s, x).0 / chebyshev(s, w_0).0;
-    (a, chebyshev(s, x).1 / chebyshev(s, w_0).1 * (1.0 + 0.5 * w_1 * p))
-}
-
-/// `T_s(x)` and `U_{s-1}(x)` by their trigonometric and hyperbolic forms.
-fn chebyshev(s: f64, x: f64) -> (f64, f64) {
-    let size = x.abs();
-    let (first, second) = if size > 1.0 {
-        let angle = size.acosh();
-        ((s * angle).cosh(), (s * angle).sinh() / angle.sinh())
-    } else if size < 1.0 {
-        let angle = size.acos();
-        ((s * angle).cos(), (s * angle).sin() / angle.sin())
-    } else {
-        (1.0, s)
-    };
-    // T_s(-x) = (-1)^s T_s(x), U_{s-1}(-x) = (-1)^{s-1} U_{s-1}(x)
-    let odd = s % 2.0 != 0.0;
-    match (x < 0.0, odd) {
-        (false, _) => (first, second),
-        (true, true) => (-first, second),
-        (true, false) => (first, -second),
     }
 }
 
@@ -113,7 +74,6 @@ pub fn amplification_of(formula: Formula, l: f64, m: f64, dt: f64) -> Result<f64
             Heun.step(&StratonovichForm(system.0), 0.0, dt, dw, &mut x, &mut ())?;
             Ok(x[0])
         }),
-        Formula::SkRock(n_stages) => by(&of(&SkRock::new(n_stages)?)),
     }
 }
 
@@ -193,16 +153,5 @@ mod tests {
             assert!((milstein / by_hand - 1.0).abs() < 1e-9, "{milstein}");
         }
         assert_eq!(formula_boundary(0.5, Formula::Theta(0.5)), None);
-    }
-
-    #[test]
-    fn chebyshev_polynomials_agree_with_their_definitions() {
-        for x in [-1.3, -1.0, -0.4, 0.7, 1.0, 1.2] {
-            let (t, u) = chebyshev(3.0, x);
-            assert!((t - (4.0 * x * x * x - 3.0 * x)).abs() < 1e-12);
-            assert!((u - (4.0 * x * x - 1.0)).abs() < 1e-12);
-            let (t, u) = chebyshev(2.0, x);
-            assert!((t - (2.0 * x * x - 1.0)).abs() < 1e-12 && (u - 2.0 * x).abs() < 1e-12);
-        }
     }
 }

@@ -1,4 +1,0 @@
-//! What only cases of `sde-integrators` use.
-
-pub mod explosion;
-pub mod order_claims;

@@ -4,8 +4,7 @@
 //! 100 x 100 nodes. The horizon is 3.015 spacings, strains are about 1e-4, no bond breaks. An element is a bond,
 //! counted once, in one realisation. One thread.
 //!
-//! Paths named `solid` are those of the linear peridynamic solid: dilatation of each node, then forces. `solid network` is
-//! the reference, one bond after the other without registers, with the same rate at every level.
+//! Paths named `solid` are those of the linear peridynamic solid: dilatation of each node, then forces.
 //!
 //! A step is one of the Leimkuhler-Matthews method at z = 1 with unit mobility: forces, test of every bond, new
 //! normals for every component of every node, update, test for non-finite numbers. The same step at `kT = 0` draws no
@@ -24,10 +23,9 @@ use benches::CpuTime;
 use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput};
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, BondFailure, BondList, Bonds, Breaking, Condition, Dynamics,
-    Horizon, Influence, LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation,
-    SimulationConfig, SolidBonds, SolidLattice, SolidList, SolidNetwork, Strain, SurfaceCorrection,
-    VolumeCorrection,
+    AtStrength, Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon,
+    Influence, LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation, SimulationConfig,
+    SolidBonds, SolidLattice, SolidList, Strain, SurfaceCorrection, VolumeCorrection,
 };
 use rayon::ThreadPoolBuilder;
 use sde_integrators::{Noise, Purpose, SimdLevel};
@@ -94,12 +92,6 @@ impl<const D: usize> Shape<D> {
         SolidList::new(nodes, solid, Strain::Finite, &strengths).unwrap().at_level(level)
     }
 
-    fn solid_network(&self) -> SolidNetwork<D> {
-        let (nodes, solid) = (self.nodes.clone(), self.solid.clone());
-        let strengths = BondFailure::Stretch(vec![STRENGTH; self.bonds.len()]);
-        SolidNetwork::new(nodes, solid, Strain::Finite, strengths).unwrap()
-    }
-
     fn list<T: Real, const L: usize>(&self, level: SimdLevel) -> BondList<T, D, L> {
         let strengths = vec![STRENGTH; self.bonds.len()];
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
@@ -129,7 +121,7 @@ impl<const D: usize> Shape<D> {
 
     /// Each path at a level, created on demand.
     fn paths(&self, level: SimdLevel) -> impl Iterator<Item = Path> {
-        (0..13).map(move |which| match which {
+        (0..12).map(move |which| match which {
             0 => self.forces("lattice", level, self.lattice::<f64>(level)),
             1 => self.forces("lattice", level, self.lattice::<f32>(level)),
             2 => self.forces("list", level, self.list::<f64, 1>(level)),
@@ -141,8 +133,7 @@ impl<const D: usize> Shape<D> {
             8 => self.forces("solid ensemble of 8", level, self.solid_list::<f64, 8>(level)),
             9 => self.forces("solid ensemble of 16", level, self.solid_list::<f32, 16>(level)),
             10 => self.forces("solid list", level, self.solid_list::<f64, 1>(level)),
-            11 => self.forces("solid list", level, self.solid_list::<f32, 1>(level)),
-            _ => self.forces("solid network", level, self.solid_network()),
+            _ => self.forces("solid list", level, self.solid_list::<f32, 1>(level)),
         })
     }
 }

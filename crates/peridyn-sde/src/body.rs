@@ -135,15 +135,6 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
         false
     }
 
-    /// Whether a bond that is intact at both ends of a step has a probability of having failed in between, given by its stretch at
-    /// both ends and the noise.
-    ///
-    /// # Errors
-    /// That with which [`Breaking::Bridge`](crate::Breaking::Bridge) is refused.
-    fn check_bridge(&self) -> Result<(), Error> {
-        Ok(())
-    }
-
     /// Takes bonds over a step from one displacement to another and adds those that break to a list. With `crossing`, bonds
     /// that crossed their strength between the ends of the step break too.
     ///
@@ -236,10 +227,6 @@ impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for Box<dyn Body<T, 
 
     fn has_memory(&self) -> bool {
         (**self).has_memory()
-    }
-
-    fn check_bridge(&self) -> Result<(), Error> {
-        (**self).check_bridge()
     }
 
     fn advance(

@@ -9,8 +9,6 @@ pub enum Cause {
     Stretch,
     /// It was below its strength at both ends of a step, and crossed it in between.
     Crossing,
-    /// The work done on it was at its critical energy at the end of a step.
-    Energy,
     /// Its law wore it down.
     Wear,
 }

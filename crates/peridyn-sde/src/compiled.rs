@@ -15,7 +15,6 @@ use crate::motion::Motion;
 use crate::nodes::Nodes;
 use crate::real::Real;
 use crate::report::StepReport;
-use crate::repulsion::Repulsion;
 use crate::solid::SolidBonds;
 use crate::steps::Stepper;
 use crate::strain::Strain;
@@ -27,7 +26,6 @@ pub(crate) struct Motions<T, const D: usize, const L: usize> {
     /// Forces at displacements at which no bond breaks.
     pub(crate) evaluate: fn(&mut Motion<T, D, L>, &mut dyn Body<T, D, L>) -> Result<(), Error>,
     pub(crate) cut: Cut<T, D, L>,
-    pub(crate) repel: Repel<T, D, L>,
 }
 
 /// A body at rest: its motion, the scheme of it, and the largest `z` or the square of `omega h`.
@@ -47,10 +45,6 @@ type Step<T, const D: usize, const L: usize> =
 type Cut<T, const D: usize, const L: usize> =
     fn(&mut Motion<T, D, L>, &mut dyn Body<T, D, L>, &[usize]) -> Result<(), Error>;
 
-/// Gives nodes a repulsion, and returns `z` of one touching pair.
-type Repel<T, const D: usize, const L: usize> =
-    fn(&mut Motion<T, D, L>, &mut dyn Body<T, D, L>, Repulsion) -> Result<f64, Error>;
-
 impl<T: Real, const D: usize, const L: usize> Motions<T, D, L> {
     const HERE: Self = Self {
         start: |body, loading, config, realisations| {
@@ -69,7 +63,6 @@ impl<T: Real, const D: usize, const L: usize> Motions<T, D, L> {
         },
         evaluate: Motion::evaluate_intact,
         cut: Motion::cut,
-        repel: Motion::repel,
     };
 }
 

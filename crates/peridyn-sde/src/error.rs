@@ -293,12 +293,6 @@ pub enum Error {
          for inertial dynamics; use Theta(0.5), Heun or Euler-Maruyama, or check at the ends of steps only"
     )]
     NoPathBetween,
-    /// A bridge between steps for bonds that break by energy.
-    #[error(
-        "bond failure between steps is undefined for bonds that break by energy: the work on a bond depends on the path of all bonds of \
-         both its ends; use a critical stretch, or check at the ends of steps only"
-    )]
-    NoBridgeOfEnergy,
     /// Conjugate gradients that did not come to an end.
     #[error(
         "step {step}: the linear system of an implicit step was solved to {residual} after {iterations} iterations; {limit} is asked"

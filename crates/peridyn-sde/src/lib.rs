@@ -6,7 +6,6 @@ mod bonds;
 mod broken_bond;
 mod compiled;
 mod config;
-mod contact;
 mod crossing;
 mod cut;
 mod disorder;
@@ -29,9 +28,7 @@ mod nodes;
 mod note;
 mod path;
 mod real;
-mod repelled;
 mod report;
-mod repulsion;
 mod resistance;
 mod saved;
 mod scheme;
@@ -58,31 +55,24 @@ pub use ensemble::{
     Procedure, RunOutcome, Stiffness, Strength, StudyLaw, merge_shards,
 };
 pub use equilibrium::{
-    Breakage, EquilibriumConfig, EquilibriumMethod, LoadStep, NextBreakage, QuasiStatic, Solved,
-    envelope,
+    Breakage, EquilibriumConfig, LoadStep, NextBreakage, QuasiStatic, Solved, envelope,
 };
 pub use error::Error;
 pub use fast::{BondList, LatticeBody, SolidLattice, SolidList};
 pub use horizon::Horizon;
 pub use law::BondLaw;
 pub use loading::{Loading, Program};
-pub use mobility::{CompactMobility, CorrelatedMobility, DisplacementNoise, Mobility};
+pub use mobility::{CorrelatedMobility, DisplacementNoise, Mobility};
 pub use network::Network;
 pub use nodes::Nodes;
 pub use note::NoteAsPrinted;
-pub use path::{
-    Branch, CrackPath, Fractured, FrontPoint, Notch, PathConfig, PlaneNotch, crack_front,
-    crack_path,
-};
+pub use path::{Branch, CrackPath, Fractured, Notch, PathConfig, crack_path};
 pub use real::Real;
 pub use report::{BrokenAt, StepReport};
-pub use repulsion::Repulsion;
 pub use saved::SavedState;
 pub use scheme::{Dynamics, Scheme};
 pub use simulation::Simulation;
-pub use solid::{
-    BondFailure, SolidBonds, SolidNetwork, critical_bond_energy, critical_stretch_of_solid,
-};
+pub use solid::{SolidBonds, critical_stretch_of_solid};
 pub use strain::Strain;
 pub use surface::SurfaceCorrection;
 pub use weakest_link::{StrengthElement, WeibullByVolume, WeibullStrength};

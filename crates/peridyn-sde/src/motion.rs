@@ -5,7 +5,6 @@ use sde_integrators::SimdLevel;
 use crate::body::{AtStrength, Body};
 use crate::broken_bond::BrokenBond;
 use crate::config::{Breaking, SimulationConfig};
-use crate::contact::{Contact, Now};
 use crate::crossing::Crossing;
 use crate::error::{Error, node_number, same_length};
 use crate::failure::Failures;
@@ -13,7 +12,6 @@ use crate::kicks::{Kicks, Which};
 use crate::loading::Loading;
 use crate::real::Real;
 use crate::report::{BrokenAt, StepReport};
-use crate::repulsion::Repulsion;
 use crate::resistance::Resistance;
 use crate::scheme::Dynamics;
 use crate::stiffest::stiffest;
@@ -41,7 +39,6 @@ pub(crate) struct Motion<T, const D: usize, const L: usize> {
     /// `u` where the step began; used where bonds are taken over whole steps.
     start: Vec<T>,
     crossing: Option<Crossing<L>>,
-    contact: Option<Box<Contact<T, D, L>>>,
     failures: Failures,
     swing: Swing<T>,
     /// The largest stable `z`, in inertial dynamics its square.
@@ -64,7 +61,6 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
         let crossing = match breaking {
             Breaking::AtEnds => None,
             Breaking::Bridge => {
-                body.check_bridge()?;
                 let rates = resistance.rates_of_bonds(body, dynamics)?;
                 Some(Crossing::new(noise, realisations, rates))
             }
@@ -88,7 +84,6 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
             step: 0,
             start: zeros(),
             crossing,
-            contact: None,
             failures: Failures::default(),
             swing: Swing::default(),
             limit,
@@ -102,37 +97,6 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
         let rate = stiffest(body, &self.resistance, &mut self.kicks, confinement)?;
         let (value, limit) = (self.step_power() * rate, self.limit);
         if value < limit { Ok(value) } else { Err(Error::Unstable { dt, value, limit }) }
-    }
-
-    /// Gives nodes a repulsion, and returns `z` of one touching pair.
-    pub(crate) fn repel(
-        &mut self,
-        body: &mut dyn Body<T, D, L>,
-        repulsion: Repulsion,
-    ) -> Result<f64, Error> {
-        repulsion.check()?;
-        let (volumes, dt) = (body.nodes().volumes(), self.config.dt);
-        let dynamics = &self.config.dynamics;
-        let (value, limit) = repulsion.relative_step(volumes, &self.resistance, dynamics, dt)?;
-        if value.is_nan() || value >= limit {
-            return Err(Error::Unstable { dt, value, limit });
-        }
-        self.contact = Some(Box::new(Contact::new(repulsion, volumes.len())));
-        self.evaluate_intact(body)?;
-        Ok(value)
-    }
-
-    /// Energy and forces of the repulsion in a lane.
-    pub(crate) fn repulsion(
-        &self,
-        body: &dyn Body<T, D, L>,
-        lane: usize,
-    ) -> Result<(f64, Vec<[f64; D]>), Error> {
-        let nodes = body.nodes();
-        match &self.contact {
-            Some(contact) => contact.of_lane(nodes, &self.u, lane, &self.now()),
-            None => Ok((0.0, vec![[0.0; D]; nodes.positions().len()])),
-        }
     }
 
     /// Cuts bonds in all lanes.
@@ -190,7 +154,6 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
     pub(crate) fn evaluate(&mut self, body: &mut dyn Body<T, D, L>) -> Result<(), Error> {
         if self.breaks_in_forces(body) {
             self.failures.forces(body, &self.u, &mut self.bond_forces)?;
-            self.find_contacts(body)?;
         } else {
             self.evaluate_intact(body)?;
         }
@@ -238,26 +201,7 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
 
     /// Forces at displacements at which no bond breaks.
     pub(crate) fn evaluate_intact(&mut self, body: &mut dyn Body<T, D, L>) -> Result<(), Error> {
-        body.forces(&self.u, &mut self.bond_forces, AtStrength::Hold)?;
-        self.find_contacts(body)
-    }
-
-    /// Finds the nodes that touch at the present displacements.
-    fn find_contacts(&mut self, body: &dyn Body<T, D, L>) -> Result<(), Error> {
-        let now = self.now();
-        match &mut self.contact {
-            Some(contact) => contact.find(body.nodes(), &self.u, &now),
-            None => Ok(()),
-        }
-    }
-
-    fn now(&self) -> Now<L> {
-        Now {
-            step: self.step + 1,
-            time: self.time_after(),
-            realisations: self.realisations,
-            level: self.level,
-        }
+        body.forces(&self.u, &mut self.bond_forces, AtStrength::Hold)
     }
 
     /// Draws the kick of this step and returns its amplitude; nothing is drawn at `kT = 0`.
@@ -294,7 +238,7 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
         }
     }
 
-    /// Forces of bonds, repulsion, loads and confinement, into `drift`.
+    /// Forces of bonds, loads and confinement, into `drift`.
     pub(crate) fn total_forces(&mut self, time: f64) {
         let epsilon = T::of(self.config.confinement);
         self.drift.clone_from(&self.bond_forces);
@@ -304,9 +248,6 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
             }
         }
         let drift = &mut self.drift;
-        if let Some(contact) = &self.contact {
-            contact.add(drift);
-        }
         self.loading.for_each_force(time, |node, force| {
             for k in 0..D {
                 for drift in &mut drift[(node * D + k) * L..(node * D + k + 1) * L] {

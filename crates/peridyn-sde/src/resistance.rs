@@ -78,18 +78,6 @@ impl<T: Real> Resistance<T> {
         }
     }
 
-    /// The largest mobility, or inverse mass, that a node has in any direction.
-    pub(crate) fn largest_of(&self, node: usize, n_nodes: usize) -> Result<f64, Error> {
-        match self {
-            Self::Diagonal { values, .. } => {
-                let dimension = values.len() / n_nodes;
-                let of = &values[node * dimension..(node + 1) * dimension];
-                Ok(of.iter().fold(0.0, |most: f64, value| most.max(value.to_f64())))
-            }
-            Self::Coupled { mobility, .. } => mobility.pair(node, node),
-        }
-    }
-
     /// For each bond the rate at which noise spreads its stretch, `2 kT n^T (M_ii + M_jj - 2 M_ij) n / |xi|^2` (1/time).
     pub(crate) fn rates_of_bonds<const D: usize, const L: usize>(
         &self,

@@ -18,8 +18,6 @@ pub struct Simulation<T: Real, B, const D: usize, const L: usize> {
     pub(crate) stepper: Stepper<T>,
     /// The largest `z`, or the square of `omega h`.
     relative_step: f64,
-    /// The same of one touching pair of nodes.
-    pub(crate) relative_step_of_repulsion: f64,
 }
 
 impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B, D, L> {
@@ -37,7 +35,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     ) -> Result<Self, Error> {
         let (motion, stepper, relative_step) =
             (motions().start)(&mut body, loading, config, realisations)?;
-        Ok(Self { body, motion, stepper, relative_step, relative_step_of_repulsion: 0.0 })
+        Ok(Self { body, motion, stepper, relative_step })
     }
 
     /// `z = h M lambda` of the stiffest mode at rest; in inertial dynamics `(h omega)^2`.

@@ -48,10 +48,5 @@ pub const STABILITY: &[ChartKind] = &[
     stability::peridyn::z::MAP,
     stability::peridyn::noise::MAP,
     stability::peridyn::horizon::MAP,
-    stability::peridyn::loose::MAP,
     stability::peridyn::load::MAP,
-    stability::peridyn::nugget::MAP,
-    stability::peridyn::damage::MAP,
-    stability::peridyn::influence::MAP,
-    stability::peridyn::quasi_static::MAP,
 ];

@@ -2,26 +2,16 @@
 
 use crate::error::{Error, at_least, positive};
 
-/// How the displacements of an equilibrium are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EquilibriumMethod {
-    /// Newton's method, one step for linear strains, each solved by conjugate gradients with a two-level preconditioner: the
-    /// blocks of the nodes, and a coarse system of the rigid motions of boxes one and a half bonds wide (Nicolaides 1987). For finite strains
-    /// the tangent is a difference of forces (Knoll & Keyes 2004).
-    ConjugateGradients,
-    /// Adaptive dynamic relaxation (Kilic & Madenci 2010): explicit steps of a fictitious mass, with the damping of the lowest mode
-    /// excited. Simple, needs nothing but forces, and takes more evaluations.
-    DynamicRelaxation,
-}
-
 /// What is needed to find equilibrium.
+///
+/// Displacements are found by Newton's method, in one step for linear strains. Each step is solved by conjugate gradients with a
+/// two-level preconditioner: the blocks of the nodes, and a coarse system of the rigid motions of boxes one and a half bonds wide
+/// (Nicolaides 1987). For finite strains the tangent is a difference of forces (Knoll & Keyes 2004).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EquilibriumConfig {
-    /// How displacements are found.
-    pub method: EquilibriumMethod,
     /// The residual force over the reaction, both as the root of the sum of squares, at which equilibrium counts as reached.
     pub tolerance: f64,
-    /// Iterations of the method after which a solution is given up.
+    /// Iterations of conjugate gradients after which a solution is given up.
     pub most_iterations: usize,
     /// Bonds that break together: those within this part of the stretch over strength of the most critical one. 0 for one at a
     /// time.
@@ -34,13 +24,8 @@ pub struct EquilibriumConfig {
 
 impl EquilibriumConfig {
     /// One bond at a time, to a residual of 1e-8, with teeth of 5 %.
-    pub const EVENT_BY_EVENT: Self = Self {
-        method: EquilibriumMethod::ConjugateGradients,
-        tolerance: 1e-8,
-        most_iterations: 100_000,
-        batch: 0.0,
-        tooth: 0.05,
-    };
+    pub const EVENT_BY_EVENT: Self =
+        Self { tolerance: 1e-8, most_iterations: 100_000, batch: 0.0, tooth: 0.05 };
 
     pub(super) fn check(&self) -> Result<(), Error> {
         positive("tolerance of an equilibrium", self.tolerance)?;

@@ -1,7 +1,6 @@
 //! A body at rest under a load: displacements in equilibrium, and what its bonds are there.
 
-use super::config::{EquilibriumConfig, EquilibriumMethod};
-use super::relaxation::Relaxation;
+use super::config::EquilibriumConfig;
 use super::solver::{Solver, Stop, dot, norm};
 use super::two_level::{TwoLevel, direction};
 use crate::body::{AtStrength, Body};
@@ -21,7 +20,7 @@ const LEAST_REACTION: f64 = 1e-3;
 /// Work of finding one equilibrium.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Solved {
-    /// Iterations of conjugate gradients or of dynamic relaxation: an evaluation of all forces each.
+    /// Iterations of conjugate gradients: an evaluation of all forces each.
     pub iterations: usize,
     /// The residual over the reaction.
     pub residual: f64,
@@ -188,7 +187,7 @@ impl<const D: usize> Statics<D> {
         (from, load): (f64, f64),
         forces: Forces,
     ) -> Result<Option<Solved>, Error> {
-        let EquilibriumConfig { method, tolerance: limit, most_iterations: most, .. } = self.config;
+        let EquilibriumConfig { tolerance: limit, most_iterations: most, .. } = self.config;
         let mut iterations = 0;
         for newton in 0..MOST_NEWTON {
             let [left, reaction] = self.residual(body, forces)?;
@@ -208,15 +207,7 @@ impl<const D: usize> Statics<D> {
             } else {
                 0.7 * limit * reaction
             };
-            let stop = match method {
-                EquilibriumMethod::ConjugateGradients => {
-                    self.correct(body, (goal, most - iterations), forces)?
-                }
-                EquilibriumMethod::DynamicRelaxation => {
-                    self.relax(body, (limit, most - iterations), forces)?
-                }
-            };
-            match stop {
+            match self.correct(body, (goal, most - iterations), forces)? {
                 Stop::Solved(used) => iterations += used,
                 Stop::Singular => return Ok(None),
                 Stop::Stalled(left) => {
@@ -273,26 +264,6 @@ impl<const D: usize> Statics<D> {
         for (u, change) in u.iter_mut().zip(change) {
             *u += change;
         }
-        Ok(stop)
-    }
-
-    /// Moves the displacements by dynamic relaxation.
-    fn relax(
-        &mut self,
-        body: &mut dyn Body<f64, D, 1>,
-        goal: (f64, usize),
-        forces: Forces,
-    ) -> Result<Stop, Error> {
-        let relaxation = Relaxation::new(body.nodes(), body.bonds(), &self.weights, &self.free);
-        let mut u = self.u.clone();
-        let stop = relaxation.relax(&mut u, goal, |u, residual| {
-            std::mem::swap(&mut self.u, u);
-            let norms = self.residual(body, forces);
-            std::mem::swap(&mut self.u, u);
-            residual.clone_from(&self.solver.residual);
-            norms
-        })?;
-        self.u = u;
         Ok(stop)
     }
 

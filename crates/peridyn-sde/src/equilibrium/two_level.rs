@@ -46,7 +46,7 @@ const fn n_motions<const D: usize>() -> usize {
 }
 
 /// Bonds with their ends, direction and stiffness (force over length).
-pub(super) fn for_each_bond<const D: usize>(
+fn for_each_bond<const D: usize>(
     nodes: &Nodes<D>,
     bonds: &Bonds,
     weights: &[f64],

@@ -17,7 +17,7 @@ use crate::solid::SolidBonds;
 use crate::strain::Strain;
 
 /// A linear peridynamic solid whose nodes are on a lattice, of one volume and one critical stretch: the law of
-/// [`SolidBonds`], as [`SolidNetwork`](crate::SolidNetwork) computes it, without a list.
+/// [`SolidBonds`], as [`SolidList`](crate::SolidList) computes it, without a list.
 ///
 /// An evaluation goes twice through all bonds: for the dilatation of nodes, then for the forces. Neither takes a root or divides
 /// where `|w| < 0.02` (in `f32` 0.03): with the pull `p = 1 - (1 + w)^(-1/2)` of [`BondList`](crate::BondList) the stretch is
@@ -26,8 +26,8 @@ use crate::strain::Strain;
 /// $$ F_i = \sum_j \phi \left( \left( \frac{B}{m_i} - \tau_i + \frac{B}{m_j} - \tau_j \right) p + \tau_i + \tau_j \right) (\xi + \eta) . $$
 ///
 /// Bands of rows are as in [`LatticeBody`](crate::LatticeBody), and so are the bits: the same with any number of threads and at any
-/// level. In a step in which bonds break, the first pass is made twice. Against the reference, forces are within 1e-11 of the
-/// largest, in `f32` within 5e-6.
+/// level. In a step in which bonds break, the first pass is made twice. Forces are within 1e-11 of the largest of those of the
+/// list, in `f32` within 5e-6.
 #[derive(Debug, Clone)]
 pub struct SolidLattice<T, const D: usize> {
     pub(super) nodes: Nodes<D>,

@@ -7,7 +7,7 @@ use crate::compiled::solids;
 use crate::error::Error;
 use crate::nodes::Nodes;
 use crate::real::Real;
-use crate::solid::{SolidBonds, energy};
+use crate::solid::SolidBonds;
 use crate::strain::Strain;
 
 impl<T: Real, const D: usize> SolidLattice<T, D> {
@@ -60,7 +60,7 @@ impl<T: Real, const D: usize> Body<T, D, 1> for SolidLattice<T, D> {
     }
 
     fn energy(&self, u: &[T], lane: usize) -> f64 {
-        energy(self, &self.solid, u, lane)
+        self.solid.energies(self, u, lane).iter().sum()
     }
 
     fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {

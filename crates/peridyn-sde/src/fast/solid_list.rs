@@ -23,7 +23,6 @@ use crate::strain::Strain;
 ///
 /// With one lane, the bonds of a node are gathered into registers; with more, every lane is a realisation. `L` is 1, or a multiple
 /// of 8 in `f64` and of 16 in `f32`, up to 16. Each realisation may have strengths of its own. The bits are the same at any level.
-/// Failure by energy needs a [`SolidNetwork`](crate::SolidNetwork), one bond after the other.
 #[derive(Debug, Clone)]
 pub struct SolidList<T, const D: usize, const L: usize> {
     pub(super) nodes: Nodes<D>,

@@ -7,7 +7,6 @@ use crate::compiled::solid_lists;
 use crate::error::Error;
 use crate::nodes::Nodes;
 use crate::real::Real;
-use crate::solid::energy;
 use crate::strain::Strain;
 
 impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for SolidList<T, D, L> {
@@ -40,7 +39,7 @@ impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for SolidList<T, D, 
     }
 
     fn energy(&self, u: &[T], lane: usize) -> f64 {
-        energy(self, &self.solid, u, lane)
+        self.solid.energies(self, u, lane).iter().sum()
     }
 
     fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {

@@ -3,14 +3,12 @@
 mod bilinear;
 mod critical_stretch;
 mod memory;
-mod smooth_stretch;
 
 use std::fmt::Debug;
 
 pub use bilinear::Bilinear;
 pub use critical_stretch::CriticalStretch;
 pub use memory::Memory;
-pub use smooth_stretch::SmoothStretch;
 
 /// A constitutive law of bonds: the tension under a stretch, its energy, and how the history of a bond changes both.
 ///

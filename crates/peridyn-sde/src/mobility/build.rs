@@ -1,8 +1,7 @@
 //! How a mobility is made.
 
-use neighbour_search::{CellGrid, MAX_RADIUS, MIN_RADIUS, NeighbourList, NeighbourSearch, Radii};
 use random_fields::{Correlation, Enough, pivoted_cholesky};
-use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor, SparseFactor};
+use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor};
 
 use super::{Factor, Mobility, expect};
 use crate::error::{Error, between, finite, positive};
@@ -19,24 +18,6 @@ pub struct CorrelatedMobility {
     pub correlation: Correlation,
     /// What each node has of its own, as a part of what it shares. A smooth correlation without it has modes that hardly
     /// move: the slowest of a Gaussian of a few spacings may need 1e12 steps, with a nugget of 0.1 some hundred.
-    pub nugget: f64,
-}
-
-/// A mobility by a compact average of white noise: `M = m (G G^T + nugget)` with
-///
-/// $$ G_{ij} = g_{ij} / \sqrt{\textstyle\sum_k g_{ik}^2}, \qquad g_{ij} = e^{-r_{ij}^2/a^2}, \quad a = l \sqrt{2/\pi}, $$
-///
-/// zero beyond the support. Rows are normalised, so that `M_ii` is the same everywhere, corners included. Between nodes of a
-/// wide lattice the correlation is the Gaussian of the length `l`, but for what lies beyond the support.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CompactMobility {
-    /// `m` (length / (force time)).
-    pub mobility: f64,
-    /// `l`, as in [`Correlation`] (length).
-    pub length: f64,
-    /// Where the average ends (length). At `2 l`, which is 2.5 `a`, the correlation misses about 1e-3.
-    pub support: f64,
-    /// As in [`CorrelatedMobility`]; greater than zero.
     pub nugget: f64,
 }
 
@@ -110,49 +91,6 @@ impl Mobility {
         Ok(Self { factor: Factor::LowRank { smooth, nugget }, is_free: free.to_vec() })
     }
 
-    /// With a correlation between near nodes (lengths), by an average over a support.
-    ///
-    /// # Errors
-    /// [`Error::NotPositive`], [`Error::Length`], [`Error::Node`], [`Error::NoFreeNode`]; [`Error::OutOfRange`] for a support
-    /// that cannot be searched.
-    pub fn compact<const D: usize>(
-        positions: &[[f64; D]],
-        free: &[bool],
-        config: &CompactMobility,
-    ) -> Result<Self, Error> {
-        let CompactMobility { mobility, length, support, nugget } = *config;
-        positive("mobility", mobility)?;
-        positive("correlation length", length)?;
-        positive("nugget", nugget)?;
-        between("support of the mobility", support, MIN_RADIUS, MAX_RADIUS)?;
-        check_nodes(positions, free)?;
-        let list = neighbours(positions, support)?;
-        let n = positions.len();
-        let (mut starts, mut columns, mut values) = (vec![0], vec![], vec![]);
-        // (2 / pi) l^2
-        let square = std::f64::consts::FRAC_2_PI * length * length;
-        for i in 0..n {
-            if free[i] {
-                let first = values.len();
-                for j in row_with_itself(&list, i).filter(|&j| free[j]) {
-                    let r = distance(&positions[i], &positions[j]);
-                    columns.push(j);
-                    values.push(simd_lanes::exp(-r * r / square));
-                }
-                let sum: f64 = values[first..].iter().map(|g| g * g).sum();
-                let scale = (mobility / sum).sqrt();
-                for value in &mut values[first..] {
-                    *value *= scale;
-                }
-                columns.push(n + i);
-                values.push((mobility * nugget).sqrt());
-            }
-            starts.push(values.len());
-        }
-        let factor = Factor::Sparse(SparseFactor::new(2 * n, starts, columns, values)?);
-        Ok(Self { factor, is_free: free.to_vec() })
-    }
-
     /// A full factor of the rows and columns of free nodes.
     fn of_entries(free: &[bool], entry: impl Fn(usize, usize) -> f64) -> Result<Self, Error> {
         let n = free.len();
@@ -194,10 +132,6 @@ impl CorrelatedMobility {
     }
 }
 
-fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    (0..D).map(|k| (a[k] - b[k]) * (a[k] - b[k])).sum::<f64>().sqrt()
-}
-
 fn check_positions<const D: usize>(positions: &[[f64; D]]) -> Result<(), Error> {
     for (node, place) in positions.iter().enumerate() {
         if let Some(&value) = place.iter().find(|x| !x.is_finite()) {
@@ -211,24 +145,6 @@ fn check_positions<const D: usize>(positions: &[[f64; D]]) -> Result<(), Error> 
 fn own(free: &[bool], variance: f64) -> Result<DiagonalFactor, Error> {
     let deviation = |&is_free: &bool| if is_free { variance.sqrt() } else { 0.0 };
     Ok(DiagonalFactor::new(free.iter().map(deviation).collect())?)
-}
-
-fn neighbours<const D: usize>(positions: &[[f64; D]], radius: f64) -> Result<NeighbourList, Error> {
-    let mut list = NeighbourList::new();
-    // Places are finite and the radius is one that can be searched: what is left is their number.
-    CellGrid::new()
-        .full_list(positions, Radii::Uniform(radius), &mut list)
-        .map_err(|_| Error::TooManyNodes { value: positions.len(), limit: u32::MAX as usize })?;
-    list.sort_rows();
-    Ok(list)
-}
-
-/// The neighbours of a node and the node, ascending.
-fn row_with_itself(list: &NeighbourList, i: usize) -> impl Iterator<Item = usize> + '_ {
-    let row = list.of(i);
-    let below = row.partition_point(|&j| (j as usize) < i);
-    let index = |&j: &u32| j as usize;
-    row[..below].iter().map(index).chain([i]).chain(row[below..].iter().map(index))
 }
 
 fn check_nodes<const D: usize>(positions: &[[f64; D]], free: &[bool]) -> Result<(), Error> {

@@ -2,9 +2,9 @@
 
 mod build;
 
-use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
+use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor, NoiseFactor};
 
-pub use self::build::{CompactMobility, CorrelatedMobility};
+pub use self::build::CorrelatedMobility;
 use crate::error::Error;
 
 /// The mobility `M = L L^T` of the nodes of a body: symmetric, positive definite on the nodes that are free, and zero on those
@@ -17,8 +17,7 @@ use crate::error::Error;
 /// | made by | drift or noise of one component | when |
 /// |---|---|---|
 /// | [`identity`](Self::identity) | `O(n)` | uncorrelated |
-/// | [`compact`](Self::compact) | `O(n k)`, `k` nodes in the support | many nodes, a length of a few spacings |
-/// | [`low_rank`](Self::low_rank) | `O(n k)`, `k` columns | many nodes, a length of many spacings |
+/// | [`low_rank`](Self::low_rank) | `O(n k)`, `k` columns | many nodes, the more so the longer the correlation |
 /// | [`dense`](Self::dense), [`from_matrix`](Self::from_matrix) | `O(n^2)`, once `O(n^3)` | up to a few thousand nodes |
 ///
 /// The number of a motion does not depend on which nodes are fixed; motions of fixed nodes move nothing.
@@ -50,7 +49,6 @@ enum Factor {
         smooth: LowRankFactor,
         nugget: DiagonalFactor,
     },
-    Sparse(SparseFactor),
 }
 
 impl Mobility {
@@ -82,7 +80,6 @@ impl Mobility {
             Factor::Diagonal(factor) => factor.n_motions(),
             Factor::Dense(factor) => factor.n_motions(),
             Factor::LowRank { smooth, nugget } => smooth.n_motions() + nugget.n_motions(),
-            Factor::Sparse(factor) => factor.n_motions(),
         }
     }
 
@@ -148,7 +145,6 @@ impl Mobility {
                     }
                 }
             }
-            Factor::Sparse(factor) => factor.apply_to_components(components, z, out),
         }
     }
 
@@ -164,7 +160,6 @@ impl Mobility {
                 smooth.apply_transposed_to_components(components, f, shared);
                 nugget.apply_transposed_to_components(components, f, own);
             }
-            Factor::Sparse(factor) => factor.apply_transposed_to_components(components, f, y),
         }
     }
 
@@ -219,7 +214,6 @@ impl Mobility {
                 smooth.columns().for_each(|column| entries(column[i], column[j]));
                 own_entries(nugget, [i, j], entries);
             }
-            Factor::Sparse(factor) => sparse_entries(factor.row(i), factor.row(j), entries),
         }
         Ok(())
     }
@@ -260,19 +254,6 @@ fn own_entries(factor: &DiagonalFactor, [i, j]: [usize; 2], mut entries: impl Fn
     } else {
         entries(deviations[i], 0.0);
         entries(0.0, deviations[j]);
-    }
-}
-
-/// Two rows with ascending columns.
-fn sparse_entries(a: (&[usize], &[f64]), b: (&[usize], &[f64]), mut entries: impl FnMut(f64, f64)) {
-    let (mut p, mut q) = (0, 0);
-    while p < a.0.len() || q < b.0.len() {
-        let column =
-            |row: (&[usize], &[f64]), k: usize| row.0.get(k).copied().unwrap_or(usize::MAX);
-        let (from_a, from_b) = (column(a, p) <= column(b, q), column(b, q) <= column(a, p));
-        entries(if from_a { a.1[p] } else { 0.0 }, if from_b { b.1[q] } else { 0.0 });
-        p += usize::from(from_a);
-        q += usize::from(from_b);
     }
 }
 

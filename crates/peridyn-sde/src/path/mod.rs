@@ -3,11 +3,9 @@
 mod centre;
 mod cluster;
 mod fractured;
-mod front;
 mod measure;
 
 pub use fractured::Fractured;
-pub use front::{FrontPoint, PlaneNotch, crack_front};
 pub(crate) use measure::height_at;
 pub use measure::{Branch, CrackPath};
 

@@ -50,8 +50,6 @@ pub struct SolidBonds {
     bonds: Bonds,
     /// For each bond `omega beta V_i V_j`, times the factor of the surface correction.
     weights: Vec<f64>,
-    /// For each bond `beta V_i V_j`.
-    volumes: Vec<f64>,
     /// For each node `D^2 A/(m^2 V)`.
     nodal: Vec<f64>,
     weighted_volumes: Vec<f64>,
@@ -90,7 +88,6 @@ impl SolidBonds {
             let q = length / horizon.radius();
             influence.weight(q.min(1.0)) / q
         };
-        let volumes: Vec<f64> = bonds.all().iter().map(|bond| bond.stiffness).collect();
         let mut weights: Vec<f64> =
             bonds.all().iter().map(|bond| weight(bond.length) * bond.stiffness).collect();
         let mut m = vec![0.0; bonds.n_nodes()];
@@ -117,7 +114,6 @@ impl SolidBonds {
             weights,
             nodal: m.iter().zip(v).map(of_node).collect(),
             bonds,
-            volumes,
             weighted_volumes: m,
             b: moduli.b,
         })
@@ -138,11 +134,6 @@ impl SolidBonds {
     /// `omega beta V_i V_j` of each bond, times the factor of the surface correction.
     pub(crate) fn weights(&self) -> &[f64] {
         &self.weights
-    }
-
-    /// `beta V_i V_j` of each bond.
-    pub(crate) fn volumes(&self) -> &[f64] {
-        &self.volumes
     }
 
     /// A power of two next to the largest `omega beta V_i V_j |xi|^2`: sums over bonds in this unit, and `D^2 A/(m^2 V)` in the

@@ -1,37 +1,12 @@
 //! Strengths of bonds of a linear peridynamic solid from the energy of a crack.
 
 use super::moduli::Moduli;
-use crate::elasticity::{Condition, Influence, across_plane, signed, sphere};
+use crate::elasticity::{Condition, Influence, across_plane, sphere};
 use crate::error::{Error, positive};
 use crate::horizon::Horizon;
 
 /// Intervals of the midpoint rule along each of three variables: its error is below 1e-3 of the part that it gives.
 const INTERVALS: u32 = 96;
-
-/// The work `w_c` on a bond, for each unit of volume at both ends (energy over length to the sixth), at which it breaks, so that a
-/// crack takes the energy `G0` for each unit of its area:
-///
-/// $$ G_0 = 2 \kappa w_c \int_0^\delta \xi^D d\xi , $$
-///
-/// all bonds across a plane, with `kappa = A/2`, `t`, `pi/2` in one, two and three dimensions; `4 G0/(pi delta^4)` in three (Foster,
-/// Silling & Chen 2011), `3 G0/(2 t delta^3)` in two. It is the same for all bonds, whatever their length, influence and law.
-///
-/// `energy_release_rate` `G0` (energy over area), `horizon` (length).
-///
-/// # Errors
-/// [`Error::NotPositive`].
-pub fn critical_bond_energy(
-    energy_release_rate: f64,
-    horizon: f64,
-    condition: Condition,
-) -> Result<f64, Error> {
-    positive("energy release rate", energy_release_rate)?;
-    positive("horizon", horizon)?;
-    condition.check()?;
-    let power = signed(sphere(condition).1) + 1;
-    let integral = horizon.powi(power) / f64::from(power);
-    Ok(energy_release_rate / (2.0 * across_plane(condition) * integral))
-}
 
 /// The stretch `s_0` at which bonds of a linear peridynamic solid break, so that two halves of a body that separate along a
 /// plane, each rigid, take the energy `G0` for each unit of area:
@@ -46,7 +21,6 @@ pub fn critical_bond_energy(
 /// `(3/4)^4 (K - 5 G/3) delta`.
 ///
 /// A stretch knows nothing of the dilatation, and a crack that opens otherwise takes another energy where `A` is large.
-/// [`critical_bond_energy`] has no such error.
 ///
 /// `energy_release_rate` `G0` (energy over area), `young_modulus` (stress), `horizon` (length).
 ///

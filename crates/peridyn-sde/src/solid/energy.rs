@@ -1,27 +1,40 @@
-//! The energy of a linear peridynamic solid in a lane, one bond after the other.
+//! The energy of a linear peridynamic solid, one bond after the other.
 
 use super::bonds::SolidBonds;
 use crate::body::Body;
 use crate::real::Real;
 
-/// `sum V_i W_i` over the intact bonds (energy).
-pub(crate) fn energy<T: Real, const D: usize, const L: usize>(
-    body: &dyn Body<T, D, L>,
-    solid: &SolidBonds,
-    u: &[T],
-    lane: usize,
-) -> f64 {
-    let (bonds, weights) = (solid.bonds(), solid.weights());
-    let (mut sums, mut energy) = (vec![0.0; bonds.n_nodes()], 0.0);
-    for (bond, ((i, j), of)) in bonds.pairs().zip(bonds.all()).enumerate() {
-        if body.intact(bond) & 1 << lane != 0 {
-            let stretch = body.stretch(bond, (i, j), u, lane);
-            energy += 0.5 * of.stiffness * of.length * stretch * stretch;
-            let part = weights[bond] * of.length * of.length * stretch;
-            sums[i] += part;
-            sums[j] += part;
+impl SolidBonds {
+    /// The energy `V_i W_i` of each node of a body of these bonds in a lane (energy), over the intact bonds.
+    ///
+    /// Of the part that a bond has in the sum of all, either end has a share inverse to its weighted volume.
+    ///
+    /// # Panics
+    /// For displacements `u` (length) or bonds of another body.
+    #[must_use]
+    pub fn energies<T: Real, const D: usize, const L: usize>(
+        &self,
+        body: &dyn Body<T, D, L>,
+        u: &[T],
+        lane: usize,
+    ) -> Vec<f64> {
+        let (bonds, weights, m) = (self.bonds(), self.weights(), self.weighted_volumes());
+        let mut sums = vec![0.0; bonds.n_nodes()];
+        let mut energies = sums.clone();
+        for (bond, ((i, j), of)) in bonds.pairs().zip(bonds.all()).enumerate() {
+            if body.intact(bond) & 1 << lane != 0 {
+                let stretch = body.stretch(bond, (i, j), u, lane);
+                let energy = 0.5 * of.stiffness * of.length * stretch * stretch;
+                energies[i] += energy * m[j] / (m[i] + m[j]);
+                energies[j] += energy * m[i] / (m[i] + m[j]);
+                let part = weights[bond] * of.length * of.length * stretch;
+                sums[i] += part;
+                sums[j] += part;
+            }
         }
+        for ((energy, n), sum) in energies.iter_mut().zip(self.nodal()).zip(sums) {
+            *energy += 0.5 * n * sum * sum;
+        }
+        energies
     }
-    let of_nodes = solid.nodal().iter().zip(&sums).map(|(n, sum)| 0.5 * n * sum * sum);
-    energy + of_nodes.sum::<f64>()
 }

@@ -1,6 +1,6 @@
 //! Forces against LAMMPS and against the energy.
 
-use peridyn_sde::law::{Bilinear, CriticalStretch, Memory, SmoothStretch};
+use peridyn_sde::law::{Bilinear, CriticalStretch, Memory};
 use peridyn_sde::{
     BondConfig, BondLaw, Bonds, Condition, Error, Horizon, Influence, Network, Nodes,
     SurfaceCorrection, VolumeCorrection,
@@ -101,7 +101,6 @@ fn forces_are_minus_the_slope_of_the_energy_and_sum_to_nothing() {
     are_slopes_of_the_energy::<_, 2>(CriticalStretch, plate);
     are_slopes_of_the_energy::<_, 3>(CriticalStretch, Condition::Solid);
     are_slopes_of_the_energy::<_, 2>(Bilinear::new(3.0).unwrap(), plate);
-    are_slopes_of_the_energy::<_, 2>(SmoothStretch::new(0.9).unwrap(), plate);
     let memory = Memory::new(10.0, 1.0, (2.0, 2.0), 0.9).unwrap();
     are_slopes_of_the_energy::<_, 2>(memory, plate);
 }

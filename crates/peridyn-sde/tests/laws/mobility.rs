@@ -1,6 +1,6 @@
 //! The mobility: its factor, its free nodes, and its distance from the exact matrix.
 
-use peridyn_sde::{CompactMobility, CorrelatedMobility, DisplacementNoise, Error, Mobility};
+use peridyn_sde::{CorrelatedMobility, DisplacementNoise, Error, Mobility};
 use random_fields::{Correlation, CorrelationFunction};
 use sde_integrators::{Noise, NoiseFactor, Purpose};
 
@@ -21,10 +21,6 @@ fn smooth(length: f64) -> CorrelatedMobility {
     CorrelatedMobility { mobility: M, correlation, nugget: NUGGET }
 }
 
-fn compact(length: f64) -> CompactMobility {
-    CompactMobility { mobility: M, length, support: 2.0 * length, nugget: NUGGET }
-}
-
 /// Every way to make one, on a plate of 8 by 8 nodes.
 fn each(free: &[bool]) -> Vec<(&'static str, Mobility)> {
     let places = plate(8);
@@ -36,7 +32,6 @@ fn each(free: &[bool]) -> Vec<(&'static str, Mobility)> {
         ("matrix", Mobility::from_matrix(free, &matrix).unwrap()),
         ("dense", Mobility::dense(&places, free, &smooth(2.0)).unwrap()),
         ("low rank", Mobility::low_rank(&places, free, &smooth(4.0), 1e-3).unwrap()),
-        ("compact", Mobility::compact(&places, free, &compact(2.0)).unwrap()),
     ]
 }
 
@@ -93,42 +88,6 @@ fn low_rank_factor_misses_no_entry_by_more_than_the_tolerance_of_the_trace() {
         assert!(trace <= tolerance * 100.0 * M && trace > 0.0, "{tolerance}: {trace}");
         let rank = mobility.n_motions() - 100;
         assert!(rank > 2 && rank < 60, "{tolerance}: {rank}");
-    }
-}
-
-#[test]
-fn compact_factor_has_the_same_diagonal_at_corners_where_raw_weights_lose_half() {
-    let (n, length) = (24, 2.0 * (std::f64::consts::PI / 2.0).sqrt());
-    let places = plate(n);
-    let config = CompactMobility { support: 5.0, ..compact(length) };
-    let mobility = Mobility::compact(&places, &vec![true; n * n], &config).unwrap();
-    for i in 0..n * n {
-        let found = mobility.pair(i, i).unwrap();
-        assert!((found - M * (1.0 + NUGGET)).abs() < 1e-14, "{i}: {found}");
-    }
-    // Such a length has weights exp(-r^2/4): over all nodes their squares sum to 2 pi, over a quarter with two borders to
-    // ((1 + sqrt(2 pi))/2)^2, which is 0.489 of it.
-    let squares = |i: usize| -> f64 {
-        let r2 = |a: &[f64; 2]| (a[0] - places[i][0]).powi(2) + (a[1] - places[i][1]).powi(2);
-        places.iter().map(r2).filter(|&r2| r2 <= 25.0).map(|r2| f64::exp(-0.5 * r2)).sum()
-    };
-    let ratio = squares(0) / squares(n * n / 2 + n / 2);
-    assert!((ratio - 0.489).abs() < 1e-3, "{ratio}");
-}
-
-#[test]
-fn compact_factor_inside_a_plate_has_the_gaussian_correlation() {
-    let n = 24;
-    let (places, config) = (plate(n), smooth(3.0));
-    let mobility = Mobility::compact(&places, &vec![true; n * n], &compact(3.0)).unwrap();
-    let middle = n * n / 2 + n / 2;
-    for (i, place) in places.iter().enumerate().filter(|&(i, _)| i != middle) {
-        // Away from borders; what the cut leaves out was measured as 1e-3.
-        if place.iter().all(|&x| (6.0..18.0).contains(&x)) {
-            let expected = M * config.correlation.between(place, &places[middle]);
-            let found = mobility.pair(i, middle).unwrap();
-            assert!((found - expected).abs() < 2e-3 * M, "{i}: {found} {expected}");
-        }
     }
 }
 
@@ -248,10 +207,7 @@ fn input_that_cannot_be_is_refused() {
     assert!(matches!(short, Err(Error::Length { value: 8, expected: 9, .. })));
     let fixed = Mobility::identity(&[false; 3], 1.0);
     assert!(matches!(fixed, Err(Error::NoFreeNode { n_nodes: 3 })));
-    let narrow =
-        Mobility::compact(&places, &free, &CompactMobility { support: 0.0, ..compact(1.0) });
-    assert!(matches!(narrow, Err(Error::OutOfRange { .. })));
-    let nowhere = Mobility::compact(&[[f64::NAN]], &[true], &compact(1.0));
+    let nowhere = Mobility::low_rank(&[[f64::NAN]], &[true], &smooth(1.0), 0.1);
     assert!(matches!(nowhere, Err(Error::Node { node: 0, .. })));
     let all = Mobility::low_rank(&places, &free, &smooth(1.0), 0.0);
     assert!(matches!(all, Err(Error::OutOfRange { .. })));

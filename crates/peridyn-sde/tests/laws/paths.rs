@@ -1,9 +1,8 @@
 //! Paths of cracks that are known: bonds across a line are broken, and more at random.
 
 use peridyn_sde::{
-    BondConfig, Bonds, Condition, CrackPath, Error, Fractured, FrontPoint, Horizon, Influence,
-    Nodes, Notch, PathConfig, PlaneNotch, SurfaceCorrection, VolumeCorrection, crack_front,
-    crack_path,
+    BondConfig, Bonds, Condition, CrackPath, Error, Fractured, Horizon, Influence, Nodes, Notch,
+    PathConfig, SurfaceCorrection, VolumeCorrection, crack_path,
 };
 use sde_integrators::{Noise, Purpose};
 
@@ -236,44 +235,4 @@ fn flags_and_limits_that_cannot_be_are_refused() {
     assert!(matches!(crack_path(&body, &NOTCH, &none), Err(Error::NotPositive { .. })));
     let point = Notch { mouth: TIP, tip: TIP };
     assert!(matches!(crack_path(&body, &point, &config), Err(Error::NotPositive { .. })));
-}
-
-/// A block with a notch through half of it, and a crack whose front is oblique: its extent grows along the front of the notch.
-#[test]
-fn the_front_of_a_crack_in_a_block_is_found_slice_by_slice() {
-    let nodes = Nodes::lattice(1.0, ([0.0; 3], [20.0, 16.0, 10.0]), Condition::Solid, |_| true);
-    let nodes = nodes.unwrap();
-    let config = BondConfig {
-        horizon: Horizon::of_shells(2, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
-    let bonds = Bonds::new(&nodes, &config).unwrap();
-    let notch =
-        PlaneNotch { corner: [0.0, 0.0, 5.0], growth: [6.0, 0.0, 0.0], front: [0.0, 16.0, 0.0] };
-    let cut = bonds.across_plane(&nodes, notch.corner, [notch.growth, notch.front]).unwrap();
-    let mut broken = vec![false; bonds.len()];
-    let config = PathConfig::of_horizon(2.0);
-    let body = Fractured { nodes: &nodes, bonds: &bonds, broken: &broken, cut: &cut };
-    let still = crack_front(&body, &notch, &config).unwrap();
-    assert!(still.len() == 16 && still.iter().all(|point| point.extent <= 0.0));
-    // The new surface is the triangle between the front x = 6 and the line from (6, 0) to (14, 16); beside it, one that does
-    // not connect.
-    let x = nodes.positions();
-    for (bond, (i, j)) in bonds.pairs().enumerate() {
-        let (above, below) = (x[i][2] - 5.0, x[j][2] - 5.0);
-        if above * below < 0.0 {
-            let share = above / (above - below);
-            let place: [f64; 2] = [0, 1].map(|k| x[i][k] + share * (x[j][k] - x[i][k]));
-            broken[bond] = place[0] < 6.0 + 0.5 * place[1] || place[0] > 18.0;
-        }
-    }
-    let body = Fractured { nodes: &nodes, bonds: &bonds, broken: &broken, cut: &cut };
-    let front = crack_front(&body, &notch, &config).unwrap();
-    for FrontPoint { along, extent } in front {
-        // Of this crack's damage the last node is up to two spacings before the true end.
-        assert!((extent - 0.5 * along).abs() < 2.0, "{along}: {extent}");
-    }
 }

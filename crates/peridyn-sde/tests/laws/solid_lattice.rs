@@ -1,10 +1,12 @@
-//! The linear peridynamic solid on a lattice against the reference, at every level and on any number of threads.
+//! The linear peridynamic solid on a lattice against the list, at every level and on any number of threads.
 
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, BondFailure, Condition, Error, Horizon, Influence, Nodes, Real,
-    SolidBonds, SolidLattice, SolidNetwork, Strain, SurfaceCorrection, VolumeCorrection,
+    AtStrength, Body, BondConfig, Condition, Error, Horizon, Influence, Nodes, Real, SolidBonds,
+    SolidLattice, Strain, SurfaceCorrection, VolumeCorrection,
 };
 use sde_integrators::SimdLevel;
+
+use super::solid::one;
 
 const STRENGTH: f64 = 0.06;
 const PLANE_STRESS: Condition = Condition::PlaneStress { thickness: 0.5 };
@@ -60,11 +62,9 @@ fn agrees<const D: usize>(condition: Condition) {
         // Within the series, beyond it, and with bonds at their strength.
         for (size, breaks) in [(1e-4, false), (0.02, false), (0.05, true)] {
             let u = shaken(n * D, size);
-            let strengths = BondFailure::Stretch(vec![STRENGTH; solid.bonds().len()]);
-            let network =
-                SolidNetwork::new(nodes.clone(), solid.clone(), strain, strengths).unwrap();
-            let energy = network.energy(&u, 0);
-            let (exact, broken) = forces(network, &u);
+            let list = one(&nodes, &solid, strain, STRENGTH);
+            let energy = list.energy(&u, 0);
+            let (exact, broken) = forces(list, &u);
             assert_eq!(!broken.is_empty(), breaks, "{condition:?} {size}");
             let lattice =
                 SolidLattice::<f64, D>::new(nodes.clone(), solid.clone(), strain, STRENGTH);
@@ -88,7 +88,7 @@ fn agrees<const D: usize>(condition: Condition) {
 }
 
 #[test]
-fn forces_and_failures_are_those_of_the_reference() {
+fn forces_and_failures_are_those_of_the_list() {
     agrees::<1>(Condition::Bar { area: 2.0 });
     agrees::<2>(PLANE_STRESS);
     agrees::<3>(Condition::Solid);

@@ -99,7 +99,7 @@ fn step_that_a_stretched_body_makes_too_long_is_reported() {
     assert!(matches!(error, Error::Swings { .. }), "{error}");
 }
 
-/// The runs of the stability map `peridyn-z-stretched`: none swings without an error.
+/// Plates stretched up to three times their length, at steps up to the limit of a body at rest: none swings without an error.
 #[test]
 fn no_stretched_body_swings_in_silence() {
     let scheme = Some(Scheme::EulerMaruyama);

@@ -1,8 +1,6 @@
 //! Dynamics of the nodes of a crack scene.
 
-use peridyn_sde::{
-    Breaking, CompactMobility, CorrelatedMobility, Dynamics, Error, Mobility, Nodes, Scheme,
-};
+use peridyn_sde::{Breaking, CorrelatedMobility, Dynamics, Error, Mobility, Nodes, Scheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -110,7 +108,6 @@ impl From<SchemeScene> for Scheme {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Dense { value: 1.0, correlation: CorrelationScene::SHORT, nugget: 0.1 })]
 #[schemars(example = Self::LowRank { value: 1.0, correlation: CorrelationScene::SHORT, nugget: 0.1, tolerance: 0.01 })]
-#[schemars(example = Self::Compact { value: 1.0, length: 0.003, nugget: 0.1 })]
 pub enum MobilityScene {
     /// Independent nodes.
     Identity {
@@ -126,7 +123,7 @@ pub enum MobilityScene {
         /// Independent part of each node, as a fraction of the correlated part (no unit).
         nugget: f64,
     },
-    /// Correlated over many spacings, by a factor with few columns.
+    /// Correlated, by a factor with few columns.
     LowRank {
         /// Mobility of a node (m/(N s)).
         value: f64,
@@ -136,15 +133,6 @@ pub enum MobilityScene {
         nugget: f64,
         /// Fraction of the trace that is omitted (no unit).
         tolerance: f64,
-    },
-    /// Correlated over a few spacings, by averaged noise.
-    Compact {
-        /// Mobility of a node (m/(N s)).
-        value: f64,
-        /// Integral scale of the Gaussian correlation (m).
-        length: f64,
-        /// Independent part of each node, as a fraction of the correlated part, greater than zero (no unit).
-        nugget: f64,
     },
 }
 
@@ -292,11 +280,6 @@ impl MobilityScene {
             Self::LowRank { value, correlation, nugget, tolerance } => {
                 let config = correlated(value, correlation, nugget);
                 ("low_rank", Mobility::low_rank(positions, free, &config, tolerance))
-            }
-            Self::Compact { value, length, nugget } => {
-                let support = 2.0 * length;
-                let config = CompactMobility { mobility: value, length, support, nugget };
-                ("compact", Mobility::compact(positions, free, &config))
             }
         };
         made.map_err(|error| {

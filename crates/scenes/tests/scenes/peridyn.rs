@@ -120,7 +120,6 @@ fn every_dynamics_mobility_and_strength_runs() {
     let low_rank = format!(
         "\"low_rank\": {{ \"value\": 2, {correlation}, \"nugget\": 0.1, \"tolerance\": 1e-3 }}"
     );
-    let compact = "\"compact\": { \"value\": 2, \"length\": 0.002, \"nugget\": 0.1 }";
     let lognormal = "\"lognormal\": { \"coefficient_of_variation\": 0.1 }";
     let overdamped = PLATE.split("\"dynamics\": ").nth(1).unwrap().split(",\n  \"time\"").next();
     let inertial = "{ \"inertial\": { \"friction\": 1e6, \"temperature\": { \"joule\": 1e-12 } } }";
@@ -128,11 +127,10 @@ fn every_dynamics_mobility_and_strength_runs() {
         PLATE.split("\"strength\": ").nth(1).unwrap().split(",\n  \"ensemble\"").next().unwrap();
     let stiffness = format!("\"strength\": \"uniform\", \"stiffness\": {field}");
     let strength = format!("\"strength\": {field}");
-    let cases: [&[(&str, &str)]; 10] = [
+    let cases: [&[(&str, &str)]; 9] = [
         &[(&strength, &stiffness), ("\"clamped\"", "\"clamped\", \"protected\": 0.004")],
         &[(identity, &dense)],
         &[(identity, &low_rank), ("\"f64\"", "\"f32\"")],
-        &[(identity, compact)],
         &[(overdamped.unwrap(), inertial)],
         &[
             ("\"leimkuhler_matthews\"", "\"heun\""),
@@ -274,8 +272,8 @@ fn mistakes_are_shown_where_they_stand() {
 
 #[test]
 fn a_coupled_mobility_refuses_grips_that_slide_and_inertia_needs_a_density() {
-    let compact = "\"compact\": { \"value\": 2, \"length\": 0.002, \"nugget\": 0.1 }";
-    let changes = [("\"identity\": { \"value\": 1 }", compact), ("\"clamped\"", "\"sliding\"")];
+    let coupled = "\"dense\": { \"value\": 2, \"correlation\": { \"function\": \"gaussian\", \"length\": 0.002 }, \"nugget\": 0.1 }";
+    let changes = [("\"identity\": { \"value\": 1 }", coupled), ("\"clamped\"", "\"sliding\"")];
     assert_eq!(mistake("sliding", &with(&changes)).0, "grips.hold");
     let overdamped = PLATE.split("\"dynamics\": ").nth(1).unwrap().split(",\n  \"time\"").next();
     let inertial = "{ \"inertial\": { \"friction\": 1e6, \"temperature\": \"zero\" } }";

@@ -1,16 +1,10 @@
 //! Stability limits of `peridyn-sde`.
 //!
-//! Swept are step, temperature, horizon, unbonded nodes, loading rate, mobility, damage, influence, and
-//! load steps and batches of a quasi-static run.
+//! Swept are step, temperature, horizon and loading rate.
 
-pub(crate) mod damage;
 pub(crate) mod horizon;
-pub(crate) mod influence;
 pub(crate) mod load;
-pub(crate) mod loose;
 pub(crate) mod noise;
-pub(crate) mod nugget;
-pub(crate) mod quasi_static;
 pub(crate) mod z;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

@@ -2,8 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 use peridyn_sde::{
-    Breaking, CompactMobility, CorrelatedMobility, Error, Mobility, Scheme, Simulation,
-    SimulationConfig,
+    Breaking, CorrelatedMobility, Error, Mobility, Scheme, Simulation, SimulationConfig,
 };
 use random_fields::{Correlation, CorrelationFunction};
 use result_figures::{ErrorKind, Measured, Reference};
@@ -34,7 +33,7 @@ fn correlation(function: CorrelationFunction) -> Correlation {
     Correlation { function, length: 1.3 }
 }
 
-/// Identity and three that couple nodes.
+/// Identity and two that couple nodes.
 fn mobilities<const D: usize>(
     network: &Network<D>,
 ) -> Result<Vec<(&'static str, Mobility)>, Error> {
@@ -44,12 +43,10 @@ fn mobilities<const D: usize>(
         mobility: 1.0,
         nugget: 0.1,
     };
-    let compact = CompactMobility { length: 1.3, support: 2.6, mobility: 1.0, nugget: 0.1 };
     Ok(vec![
         ("identity", Mobility::identity(free, 1.0)?),
         ("dense", Mobility::dense(x, free, &correlated)?),
         ("low rank", Mobility::low_rank(x, free, &correlated, 1e-3)?),
-        ("compact", Mobility::compact(x, free, &compact)?),
     ])
 }
 

@@ -1,9 +1,9 @@
-//! A block with a flat notch, in tension: its crack front, by two paths, on any number of threads.
+//! A block with a flat notch, in tension: by two paths, on any number of threads.
 
 use peridyn_sde::{
-    Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Fractured, FrontPoint,
-    Horizon, Influence, LatticeBody, Loading, Nodes, PathConfig, PlaneNotch, Simulation,
-    SimulationConfig, Strain, SurfaceCorrection, VolumeCorrection, crack_front,
+    Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, Influence,
+    LatticeBody, Loading, Nodes, Simulation, SimulationConfig, Strain, SurfaceCorrection,
+    VolumeCorrection,
 };
 use sde_integrators::Noise;
 
@@ -13,7 +13,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/precracked-block",
-    title: "A block with a notch through half of it: lattice against bond list, the crack front, threads",
+    title: "A block with a notch through half of it: lattice against bond list, threads, restart",
     source: "symmetry of the block; two implementations of one law",
     cost: Profile::Default,
     schedule: Schedule::Together,
@@ -33,7 +33,6 @@ struct Block {
     nodes: Nodes<3>,
     bonds: Bonds,
     cut: Vec<usize>,
-    notch: PlaneNotch,
 }
 
 /// What became of it.
@@ -58,12 +57,7 @@ impl Block {
         // Beyond the surfaces of the block, so that it is open to three sides.
         let edges = [[NOTCH + 1.0, 0.0, 0.0], [0.0, SIZE[1] + 2.0, 0.0]];
         let cut = bonds.across_plane(&nodes, [-1.0, -1.0, middle], edges)?;
-        let notch = PlaneNotch {
-            corner: [0.0, 0.0, middle],
-            growth: [NOTCH, 0.0, 0.0],
-            front: [0.0, SIZE[1], 0.0],
-        };
-        Ok(Self { nodes, bonds, cut, notch })
+        Ok(Self { nodes, bonds, cut })
     }
 
     fn lattice(&self) -> Result<LatticeBody<f64, 3>, CaseError> {
@@ -139,17 +133,6 @@ impl Block {
         breaks.sort_unstable();
         Ok(Pulled { breaks, u: run.displacements(0) })
     }
-
-    fn front(&self, pulled: &Pulled) -> Result<Vec<FrontPoint>, CaseError> {
-        let mut broken = vec![false; self.bonds.len()];
-        for bond in pulled.breaks.iter().map(|(bond, _)| bond).chain(&self.cut) {
-            broken[*bond] = true;
-        }
-        let body =
-            Fractured { nodes: &self.nodes, bonds: &self.bonds, broken: &broken, cut: &self.cut };
-        let config = PathConfig::of_horizon(3.015);
-        Ok(crack_front(&body, &self.notch, &config)?)
-    }
 }
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
@@ -160,7 +143,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let lines = Lines { context, id: "", method };
     let (lattice, list) = (block.pulled(block.lattice()?)?, block.pulled(block.list()?)?);
     let mut claims = against_list(&lines, &lattice, &list);
-    claims.extend(of_front(&lines, &block.front(&lattice)?));
     for threads in [1, 2, 8] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let again = pool.install(|| block.pulled(block.lattice()?))?;
@@ -208,47 +190,6 @@ fn against_list(lines: &Lines<'_>, lattice: &Pulled, list: &Pulled) -> Vec<Claim
             apart / largest,
             1e-13,
             "roundoff: 1e-16 of each step over 390 of them, in which the crack does not make it grow much",
-        ),
-    ]
-}
-
-fn of_front(lines: &Lines<'_>, front: &[FrontPoint]) -> Vec<Claim> {
-    let extents: Vec<f64> = front.iter().map(|point| point.extent).collect();
-    let images = extents.iter().zip(extents.iter().rev());
-    let asymmetry = images.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-    let most = extents.iter().fold(0.0, |most: f64, &extent| most.max(extent));
-    let bend = |extents: &[f64]| {
-        let least = extents.iter().fold(f64::INFINITY, |least: f64, &extent| least.min(extent));
-        extents.iter().fold(0.0, |most: f64, &extent| most.max(extent)) - least
-    };
-    vec![
-        lines.measured(
-            ("front", "how far the crack has come, at most, in spacings", ""),
-            most,
-            (6.0, 7.0),
-            "it has left the notch by two horizons and has not come through the block, 19 spacings; known to half a layer of nodes",
-        ),
-        lines.bounded(
-            ("front/asymmetry", "largest difference of the front to its image, in spacings", ""),
-            asymmetry,
-            0.0,
-            "the block is symmetric along the front, which is known by whole layers of nodes",
-        ),
-        lines.bounded(
-            (
-                "front/bend",
-                "farthest less nearest slice more than a horizon from the free surfaces, in spacings",
-                "",
-            ),
-            bend(&extents[4..extents.len() - 4]),
-            0.0,
-            "straight: all slices end at one layer of nodes",
-        ),
-        lines.measured(
-            ("front/lag", "farthest less nearest slice of all, in spacings", ""),
-            bend(&extents),
-            (1.5, 2.5),
-            "at the free surfaces bonds lack, and the front is two layers of nodes behind",
         ),
     ]
 }

@@ -1,7 +1,7 @@
 //! Groups of bonds whose tension is not linear, in noise: moments of the invariant measure `exp(-V/kT)` by quadrature and by paths.
 //!
-//! A chain whose every third node is held falls into groups of two free nodes with displacements `u` and `v` and two or three bonds,
-//! of stiffness and length one.
+//! A chain whose every third node is held falls into groups of two free nodes with displacements `u` and `v` and two bonds, of
+//! stiffness and length one: `V = W(u) + W(v - u)`.
 
 use peridyn_sde::law::BondLaw;
 use peridyn_sde::{
@@ -55,15 +55,6 @@ impl BondLaw for DoubleWell {
     }
 }
 
-/// What the second node of a group is bonded to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
-    /// Only the first: `V = W(u) + W(v - u)`.
-    Free,
-    /// The next held node too: `V = W(u) + W(v - u) + W(-v)`.
-    Bonded,
-}
-
 /// What is looked at of a group, by the displacements of its nodes.
 pub type Observable = fn(f64, f64) -> f64;
 
@@ -72,7 +63,6 @@ pub type Observable = fn(f64, f64) -> f64;
 #[must_use]
 pub fn expected<const K: usize>(
     (law, strength): (&impl BondLaw, f64),
-    end: End,
     (temperature, reach): (f64, f64),
     observables: [Observable; K],
 ) -> [f64; K] {
@@ -83,8 +73,7 @@ pub fn expected<const K: usize>(
     let (mut weight, mut sums) = (0.0, [0.0; K]);
     for u in (-COUNT..=COUNT).map(place) {
         for v in (-COUNT..=COUNT).map(place) {
-            let last = if end == End::Bonded { energy(-v) } else { 0.0 };
-            let density = (-(energy(u) + energy(v - u) + last) / temperature).exp();
+            let density = (-(energy(u) + energy(v - u)) / temperature).exp();
             weight += density;
             for (sum, of) in sums.iter_mut().zip(observables) {
                 *sum += density * of(u, v);
@@ -123,7 +112,6 @@ pub struct Followed {
 /// Those of the run; where a bond breaks.
 pub fn sampled<L: BondLaw + Clone + Send, const K: usize>(
     (law, strength): (&L, f64),
-    end: End,
     dynamics: &Dynamics,
     followed: Followed,
     observables: [Observable; K],
@@ -143,11 +131,9 @@ pub fn sampled<L: BondLaw + Clone + Send, const K: usize>(
     let is_inertial = matches!(dynamics, Dynamics::Inertial { .. });
     let per_step = if is_inertial { per_step.sqrt() } else { per_step };
     let mut run = start(small * followed.relative / per_step)?;
-    if end == End::Free {
-        // The bond from the second node of each group to the next held one.
-        let last: Vec<usize> = (0..GROUPS).map(|group| 3 * group + 2).collect();
-        run.cut(&last)?;
-    }
+    // The bond from the second node of each group to the next held one.
+    let last: Vec<usize> = (0..GROUPS).map(|group| 3 * group + 2).collect();
+    run.cut(&last)?;
     let mut sums = [[0.0; K]; GROUPS];
     for step in 0..followed.settled + followed.steps {
         let report = run.step()?;

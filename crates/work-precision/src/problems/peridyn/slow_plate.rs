@@ -143,27 +143,6 @@ impl SlowPlate {
         Ok(found)
     }
 
-    /// In so many load steps.
-    ///
-    /// # Errors
-    /// Those of [`QuasiStatic::step_to`] and of the path.
-    pub fn by_steps(&self, config: EquilibriumConfig, n_steps: u32) -> Result<Pulled, Error> {
-        let mut run = self.quasi_static(config)?;
-        let mut found = Pulled::none();
-        for step in 1..=n_steps {
-            let load = STRAIN * STRENGTH * f64::from(step) / f64::from(n_steps);
-            let report = run.step_to(load)?;
-            found.order.extend(report.bonds);
-            found.evaluations += report.solved.iterations as u64;
-            found.peak = found.peak.max(self.load(|nodes| run.pull_on(nodes)));
-            if report.is_separated {
-                break;
-            }
-        }
-        found.path = self.path(&found.order)?;
-        Ok(found)
-    }
-
     /// Overdamped and explicit, in so many steps.
     ///
     /// # Errors

@@ -1,6 +1,4 @@
-//! The step relative to the stiffest mode: by scheme, and in a stretched body.
-
-mod stretched;
+//! The step relative to the stiffest mode, by scheme.
 
 use peridyn_sde::{Mobility, Scheme};
 use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
@@ -14,7 +12,7 @@ use crate::stability::axes::logarithmic;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-z",
-    title: "schemes of peridyn-sde over the step: variance of the stiffest mode, a body stretched",
+    title: "schemes of peridyn-sde over the step: variance of the stiffest mode",
     draw,
 };
 
@@ -28,7 +26,7 @@ const SCHEMES: [Scheme; 5] = [
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let is_quick = context.profile == Profile::Quick;
-    Ok(vec![variance(is_quick)?, stretched::map(is_quick)?])
+    Ok(vec![variance(is_quick)?])
 }
 
 /// Steps around the limit, and for implicit schemes far beyond.

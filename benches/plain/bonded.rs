@@ -5,15 +5,12 @@
 use std::marker::PhantomData;
 
 use peridyn_sde::{
-    Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence,
-    LatticeBody, Loading, Nodes, Simulation, SimulationConfig, Strain, SurfaceCorrection,
-    VolumeCorrection,
+    Body, BondConfig, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Nodes,
+    Simulation, SimulationConfig, SurfaceCorrection, VolumeCorrection,
 };
 use sde_integrators::Noise;
 
-use crate::case::{Case, Failure, Run, State};
-use crate::lattice::Lattice;
-use crate::list::List;
+use crate::case::{Failure, Run, State};
 
 pub(crate) const DENSITY: f64 = 1.0;
 const YOUNG_MODULUS: f64 = 1.0;
@@ -22,7 +19,7 @@ const STEP: f64 = 0.2;
 /// Initial speed of the nodes over the wave speed: the order of the strains.
 const SPEED: f64 = 1e-3;
 /// A critical stretch far above every stretch.
-const STRENGTH: f64 = 1.0;
+pub(crate) const STRENGTH: f64 = 1.0;
 
 /// Initial motion of the nodes of a lattice of unit spacing, and the step.
 #[derive(Debug)]
@@ -32,7 +29,7 @@ pub(crate) struct Start<const D: usize> {
 }
 
 impl<const D: usize> Start<D> {
-    fn of(nodes: &Nodes<D>) -> Self {
+    pub(crate) fn of(nodes: &Nodes<D>) -> Self {
         let velocity = |x: &[f64; D]| {
             std::array::from_fn(|k| SPEED * (0.3 * x[(k + 1) % D] + 0.2 * x[k]).sin())
         };
@@ -40,7 +37,11 @@ impl<const D: usize> Start<D> {
     }
 }
 
-fn body<const D: usize>(edge: u32, condition: Condition) -> Result<(Nodes<D>, Bonds), Failure> {
+/// A cube of nodes with its bonds.
+pub(crate) fn body<const D: usize>(
+    edge: u32,
+    condition: Condition,
+) -> Result<(Nodes<D>, Bonds), Failure> {
     let nodes = Nodes::lattice(1.0, ([0.0; D], [f64::from(edge); D]), condition, |_| true)?;
     let config = BondConfig {
         horizon: Horizon::of_shells(3, 1.0)?,
@@ -59,7 +60,10 @@ struct Ours<B, const D: usize> {
     body: PhantomData<B>,
 }
 
-fn ours<B: Body<f64, D, 1> + 'static, const D: usize>(body: B) -> Result<Box<dyn Run>, Failure> {
+/// The library's run of a body.
+pub(crate) fn ours<B: Body<f64, D, 1> + 'static, const D: usize>(
+    body: B,
+) -> Result<Box<dyn Run>, Failure> {
     let Start { velocities, dt } = Start::of(body.nodes());
     let n_nodes = body.nodes().positions().len();
     let config = SimulationConfig {
@@ -90,46 +94,3 @@ impl<B: Body<f64, D, 1>, const D: usize> Run for Ours<B, D> {
         self.run.body().bonds().len()
     }
 }
-
-/// Relative difference expected from roundoff.
-///
-/// The bond force is a polynomial in the library, within 8.4e-13 of the exact one (`Real::SERIES`). The hand-written
-/// code takes a difference of two lengths, which loses three digits at these strains.
-const ROUNDOFF: f64 = 1e-11;
-
-const PLATE: Condition = Condition::PlaneStress { thickness: 1.0 };
-
-pub(crate) const CASES: [Case; 2] = [
-    Case {
-        name: "peridyn-list",
-        what: "elastic block, bonds in a list, f64, velocity Verlet",
-        element: "bond",
-        edges: [31, 15],
-        ours: |edge| {
-            let (nodes, bonds) = body::<3>(edge, Condition::Solid)?;
-            let strengths = vec![STRENGTH; bonds.len()];
-            ours(BondList::<f64, 3, 1>::new(nodes, bonds, Strain::Finite, &strengths)?)
-        },
-        plain: |edge| {
-            let (nodes, bonds) = body::<3>(edge, Condition::Solid)?;
-            Ok(Box::new(List::new(&nodes, &bonds, &Start::of(&nodes))?))
-        },
-        tolerance: ROUNDOFF,
-    },
-    Case {
-        name: "peridyn-lattice",
-        what: "elastic plate, bonds of a lattice, f64, velocity Verlet",
-        element: "bond",
-        edges: [100, 50],
-        ours: |edge| {
-            let (nodes, bonds) = body::<2>(edge, PLATE)?;
-            ours(LatticeBody::<f64, 2>::new(nodes, bonds, Strain::Finite, STRENGTH)?)
-        },
-        plain: |edge| {
-            let (nodes, bonds) = body::<2>(edge, PLATE)?;
-            let start = Start::of(&nodes);
-            Ok(Box::new(Lattice::new((&nodes, edge as usize), &bonds, &start)?))
-        },
-        tolerance: ROUNDOFF,
-    },
-];

@@ -13,6 +13,7 @@
 
 mod bonded;
 mod case;
+mod cases;
 mod count;
 mod elastic;
 mod fluid;
@@ -29,6 +30,7 @@ use benches::record::Listed;
 use rayon::ThreadPoolBuilder;
 
 use case::{Case, Failure, Who, require_agreement};
+use cases::CASES;
 
 /// Largest ratio of the library's instructions to those of the baseline.
 const MOST: f64 = 1.05;
@@ -103,7 +105,7 @@ fn all(cases: &[&Case]) -> Result<(), Failure> {
 
 /// Runs on one thread; returns an error as text, which can leave it.
 fn start() -> Result<(), String> {
-    let cases: Vec<&Case> = material_points::CASES.iter().chain(&bonded::CASES).collect();
+    let cases: Vec<&Case> = CASES.iter().collect();
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let pool = ThreadPoolBuilder::new().num_threads(1).build().map_err(|e| e.to_string())?;
     pool.install(|| {

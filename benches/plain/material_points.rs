@@ -1,14 +1,9 @@
 //! A square of material points that stretches, shears and rotates: smpm and hand-written.
 
-use smpm::material::{
-    Fluid, LinearElasticParameters, LinearElasticSolid, Material, Solid, StiffenedGas,
-    StiffenedGasParameters,
-};
+use smpm::material::{LinearElasticParameters, Material, StiffenedGasParameters};
 use smpm::{BulkViscosity, Config, Fill, Simulation, UpdateOrder};
 
-use crate::case::{Case, Failure, Run, State};
-use crate::elastic::Elastic;
-use crate::fluid::Gas;
+use crate::case::{Failure, Run, State};
 
 pub(crate) const ELASTIC: LinearElasticParameters<f64> =
     LinearElasticParameters { density: 1.0, young_modulus: 100.0, poisson_ratio: 0.3 };
@@ -45,13 +40,15 @@ fn fill(edge: u32) -> Result<(Fill<2>, f64), smpm::Error> {
     Ok((Fill::of([0.5 * cell; 2], ([0.0; 2], [1.0; 2]), |_| true)?, cell))
 }
 
-fn body(edge: u32) -> Result<Body, smpm::Error> {
+/// The particles of a square.
+pub(crate) fn body(edge: u32) -> Result<Body, smpm::Error> {
     let (Fill { positions, spacing }, cell) = fill(edge)?;
     let velocities = positions.iter().map(velocity).collect();
     Ok(Body { positions, velocities, volume: spacing[0] * spacing[1], cell })
 }
 
-fn simulation<M: Material<f64> + 'static>(
+/// The library's run of a square.
+pub(crate) fn simulation<M: Material<f64> + 'static>(
     edge: u32,
     material: M,
     update_order: UpdateOrder,
@@ -98,33 +95,3 @@ impl Run for Simulation<f64, 2> {
         self.bodies()[0].n_particles()
     }
 }
-
-/// Sums over nodes are in another order: roundoff, amplified in twenty steps by the stiffness of the material.
-const ROUNDOFF: f64 = 1e-11;
-
-pub(crate) const CASES: [Case; 2] = [
-    Case {
-        name: "smpm-elastic",
-        what: "elastic square in plane strain, quadratic B-splines, stress last, FLIP",
-        element: "particle",
-        edges: [400, 100],
-        ours: |edge| {
-            let material = LinearElasticSolid::<f64>::linear_elastic(ELASTIC)?;
-            Ok(Box::new(simulation(edge, material, UpdateOrder::StressLast)?))
-        },
-        plain: |edge| Ok(Box::new(Elastic::new(&body(edge)?))),
-        tolerance: ROUNDOFF,
-    },
-    Case {
-        name: "smpm-gas",
-        what: "stiffened gas in plane strain, quadratic B-splines, modified stress last, FLIP",
-        element: "particle",
-        edges: [400, 100],
-        ours: |edge| {
-            let material = Solid { equation: StiffenedGas::new(GAS)?, strength: Fluid };
-            Ok(Box::new(simulation(edge, material, UpdateOrder::ModifiedStressLast)?))
-        },
-        plain: |edge| Ok(Box::new(Gas::new(&body(edge)?))),
-        tolerance: ROUNDOFF,
-    },
-];

@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p benches --bench fpk` measures one crate. The targets are `kernels`, `neighbour`, `particles`,
 //! `sde`, `fpk`, `moments`, `smpm` and `peridynamics`, and `plain`, the hand-written baselines.
-//! `cargo bench -p benches -- --test` runs everything once, unmeasured.
+//! `cargo bench -p benches -- --test` runs everything once, unmeasured. `neighbour` and `particles` need the feature
+//! `rivals`, so that `cargo test --workspace` does not compile crates that only they use.
 //!
 //! Every time is CPU time of the process, on one thread. Rivals are measured in the same run, and the result is the
 //! ratio: [`ratios`] prints it for `kernels`, `neighbour`, `particles`, `smpm` and `plain`. Criterion also measures

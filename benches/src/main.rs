@@ -55,7 +55,14 @@ fn run(root: &Path, target: &str, criterion: &[String]) -> Result<Recorded, Reco
     let failed = || RecordError::Failed { name: target.to_owned() };
     let command = || {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-        cargo.current_dir(root).args(["bench", "--package", "benches", "--bench", target]);
+        cargo.current_dir(root).args([
+            "bench",
+            "--package",
+            "benches",
+            "--features=rivals",
+            "--bench",
+            target,
+        ]);
         cargo
     };
     // Built first, so that the build does not load the machine during the benchmark.

@@ -39,7 +39,7 @@ struct Check {
     plan: fn(&Surroundings) -> Plan,
 }
 
-const CHECKS: [Check; 12] = [
+const CHECKS: [Check; 13] = [
     Check {
         name: "language",
         purpose: "pages, comments and messages use the field's words, short sentences, short lines",
@@ -99,6 +99,12 @@ const CHECKS: [Check; 12] = [
         purpose: "inputs that seek new paths in the code make no solver or reader panic, hang or eat memory",
         tool: Some("fuzz"),
         plan: plans::fuzz,
+    },
+    Check {
+        name: "rivals",
+        purpose: "benchmarks against crates that only they need are free of warnings and run",
+        tool: None,
+        plan: plans::rivals,
     },
     Check {
         name: "msrv",

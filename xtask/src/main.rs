@@ -6,6 +6,7 @@
 mod audit;
 mod gallery;
 mod solver;
+mod weight;
 
 use std::io::Write;
 use std::num::NonZeroUsize;
@@ -60,6 +61,8 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
   audit [NAME]... [--list]    checks that take longer or need tools that may be absent:
                               licences, features, interfaces, coverage, mutants, oldest
                               Rust, packages; one that cannot run is skipped
+  weight [--record [--build]] lines of Rust by package, and their change since docs/weight.json;
+                              --build measures compile times and machine code too
   audit claims [--only NAME]... [--crate NAME]... [--missing] [--record]
                               build with one constant or sign wrong at a time: do the
                               claims of its crate notice? --missing runs those whose source
@@ -93,6 +96,9 @@ const USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(ended) = weight::as_wrapper(&arguments) {
+        return ended;
+    }
     let (checked, arguments) = match arguments.split_first() {
         Some((first, rest)) if first == "--checked" => (true, rest),
         _ => (false, &arguments[..]),
@@ -120,6 +126,7 @@ fn main() -> ExitCode {
         ("ci", _) => start(Command::new("bash").arg(".ci/run").current_dir(workspace())),
         ("audit", _) => audit::run(rest),
         ("gallery", _) => gallery::run(rest),
+        ("weight", _) => weight::run(rest),
         ("help" | "-h" | "--help", _) => print(HELP),
         (unknown, None) => {
             say(&format!("error: there is no command `{unknown}`\n\n{HELP}"));
@@ -271,7 +278,8 @@ fn bench_arguments(rest: &[String]) -> Vec<String> {
         return start.into_iter().map(str::to_owned).chain(names.cloned()).collect();
     }
     let targets = names.iter().flat_map(|name| ["--bench".to_owned(), name.clone()]);
-    let start = ["bench", "--package", "benches"].into_iter().map(str::to_owned);
+    let start =
+        ["bench", "--package", "benches", "--features=rivals"].map(str::to_owned).into_iter();
     start.chain(targets).chain(criterion.iter().cloned()).collect()
 }
 
@@ -384,12 +392,13 @@ mod tests {
 
     #[test]
     fn benchmarks_are_named_before_and_criterion_is_told_after_the_dashes() {
-        assert_eq!(bench_arguments(&[]), words("bench --package benches"));
-        let expected = words("bench --package benches --bench fpk --bench sde -- --test");
+        assert_eq!(bench_arguments(&[]), words("bench --package benches --features=rivals"));
+        let expected =
+            words("bench --package benches --features=rivals --bench fpk --bench sde -- --test");
         assert_eq!(bench_arguments(&words("fpk sde -- --test")), expected);
         assert_eq!(
             bench_arguments(&words("-- --test")),
-            words("bench --package benches -- --test")
+            words("bench --package benches --features=rivals -- --test")
         );
     }
 

@@ -22,6 +22,8 @@ type Outcome = Result<(), Box<dyn std::error::Error>>;
 const LONGEST_LINE: usize = 400;
 /// Largest length of a sentence, in words.
 const LONGEST_SENTENCE: usize = 40;
+/// Clipped sentences in all comments; it may only decrease.
+const MOST_CLIPPED: usize = 11;
 
 /// Pages that a command generates from sources checked here.
 const GENERATED: [&str; 6] = [
@@ -166,6 +168,31 @@ fn long_sentences(text: &str) -> Vec<usize> {
     lengths.filter(|&length| length > LONGEST_SENTENCE).collect()
 }
 
+/// Sentences of a comment after another one that are clipped: at most six words, which begin without a subject and have no verb.
+fn clipped(text: &str) -> Vec<String> {
+    const STARTS: [&str; 16] = [
+        "and", "as", "at", "by", "except", "for", "from", "like", "nor", "not", "of", "or", "than",
+        "which", "whose", "with",
+    ];
+    const VERBS: [&str; 9] =
+        ["are", "can", "equals", "excites", "has", "have", "is", "needs", "takes"];
+    let (mut found, mut before) = (Vec::new(), "");
+    for sentence in text.split_inclusive(". ").map(str::trim) {
+        let words = words_of(sentence);
+        let words: Vec<&str> =
+            words.iter().map(String::as_str).filter(|word| *word != ".").collect();
+        let is_clipped = before.ends_with('.')
+            && sentence.ends_with('.')
+            && sentence.starts_with(char::is_uppercase)
+            && (1..=6).contains(&words.len())
+            && STARTS.contains(&words[0])
+            && !words.iter().any(|word| VERBS.contains(word));
+        found.extend(is_clipped.then(|| sentence.to_owned()));
+        before = sentence;
+    }
+    found
+}
+
 /// Findings in a file, one line each.
 fn found_in(path: &str, text: &str) -> Vec<String> {
     let is_page = Path::new(path).extension().is_some_and(|ending| ending == "md");
@@ -251,6 +278,22 @@ fn pages_comments_and_messages_use_the_words_of_the_field() -> Outcome {
     Ok(())
 }
 
+/// `LANGUAGE_SHOW=1 cargo test -p xtask --test language clipped` lists them.
+#[test]
+fn comments_have_fewer_clipped_sentences_than_before() -> Outcome {
+    let mut found = Vec::new();
+    let all = files(&root(), ".rs")?.into_iter();
+    for file in all.filter(|file| ABOUT_WORDS.iter().all(|name| !file.ends_with(name))) {
+        for Prose { line, text } in of_source(&fs::read_to_string(&file)?) {
+            let of_line = clipped(&text).into_iter();
+            found.extend(of_line.map(|sentence| format!("{}:{line}: {sentence}", file.display())));
+        }
+    }
+    let is_shown = std::env::var_os("LANGUAGE_SHOW").is_some();
+    assert!(found.len() <= MOST_CLIPPED && !is_shown, "{}: {found:#?}", found.len());
+    Ok(())
+}
+
 #[test]
 fn what_a_reader_would_stumble_over_is_found() {
     let found = |text: &str| avoided(&without_code(text)).len();
@@ -262,6 +305,10 @@ fn what_a_reader_would_stumble_over_is_found() {
     assert_eq!(long_sentences(&format!("{long}. short")), [41]);
     assert_eq!(long_sentences(&"a number of 1.5 words. ".repeat(30)), [0; 0]);
     assert_eq!(long_sentences(&format!("$$ {long} $$")), [0; 0]);
+    assert_eq!(
+        clipped("It has mass. Of the particle alone. Which. For x it is one."),
+        ["Of the particle alone.", "Which."]
+    );
     let page = "<!-- records\nthe mean run\n-->\nno<!-- the mean run --> more\n";
     assert_eq!(found_in("a.md", page).len(), 0);
     let page = format!("# Title\n\n{}\n\n```\nthe mean run\n```\n", "x".repeat(401));

@@ -9,9 +9,9 @@ pub const MAX_RADIUS: f64 = 1e150;
 /// Which radius decides whether `j` is listed as a neighbour of `i`, at distance `r`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Criterion {
-    /// `r <= h_i`: the radius of `i` decides. Not symmetric.
+    /// `r <= h_i`: the radius of `i` decides. It is not symmetric.
     Gather,
-    /// `r <= h_j`: the radius of `j` decides. Not symmetric; the transpose of [`Gather`](Self::Gather).
+    /// `r <= h_j`: the radius of `j` decides. It is not symmetric; it is the transpose of [`Gather`](Self::Gather).
     Scatter,
     /// `r <= max(h_i, h_j)`: the larger radius decides. Symmetric.
     Max,

@@ -75,6 +75,13 @@ pub(super) fn fuzz(surroundings: &Surroundings) -> Plan {
     Plan::Start(surroundings.fuzz_targets.iter().map(of).collect())
 }
 
+/// What `.ci/run` does with the other benchmarks.
+pub(super) fn rivals(_: &Surroundings) -> Plan {
+    let lint = "cargo clippy --workspace --all-targets --features benches/rivals -- -D warnings";
+    let run = "cargo test --workspace --features benches/rivals --bench neighbour --bench particles -- --test";
+    Plan::Start([lint, run].map(words).to_vec())
+}
+
 pub(super) fn msrv(surroundings: &Surroundings) -> Plan {
     match toolchain(&surroundings.toolchains, RUST_VERSION) {
         Some(name) => {

@@ -2,3 +2,6 @@
 
 pub mod reference;
 pub mod responses;
+
+#[path = "../../crates/perturbation-moments/tests/responses/mod.rs"]
+mod closed_forms;

@@ -2,11 +2,9 @@
 
 use num_dual::{HyperDual64, HyperHyperDual64};
 
-use crate::along::AlongDirections;
 use crate::derivatives::{Derivatives, Known};
 use crate::error::Error;
 use crate::expansion::{Expansion, set_symmetric};
-use crate::jet::{Jet, LANES};
 use crate::random_vector::RandomVector;
 use crate::response::Response;
 
@@ -109,81 +107,6 @@ fn third_order<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Exp
 
 fn empty<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Expansion<N> {
     Expansion { value: response.value(x), gradient: [0.0; N], hessian: None, third: None }
-}
-
-/// Second derivatives that jets compute.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JetCurvature {
-    /// Along the directions `L e_k`: one evaluation, enough for the second-order mean.
-    Diagonal,
-    /// All, by polarisation: `N(N+1)/2` directions, eight per evaluation.
-    Full,
-}
-
-/// Second derivatives of a response by [`Jet`]s, for at most eight inputs; exact within roundoff.
-///
-/// There are no third derivatives. A solver instead carries jets through its own step and uses
-/// [`AlongDirections::from_jet`].
-///
-/// $$ H_{ij} = \tfrac12 (q(e_i + e_j) - q(e_i) - q(e_j)), \qquad q(v) = v^T H v $$
-#[derive(Debug, Clone, Copy)]
-pub struct JetDifferentiation<R> {
-    /// The response.
-    pub response: R,
-    /// Second derivatives to compute.
-    pub curvature: JetCurvature,
-}
-
-impl<const N: usize, R: Response<N>> Derivatives<N> for JetDifferentiation<R> {
-    fn know(&self, inputs: &RandomVector<N>) -> Result<Known<N>, Error> {
-        Ok(match self.curvature {
-            JetCurvature::Diagonal => {
-                let jet = self.response.value(&inputs.jets());
-                Known::AlongDirections(AlongDirections::from_jet(&jet, 0))
-            }
-            JetCurvature::Full => {
-                let scales = input_scales(inputs);
-                Known::ByInputs(polarised(&self.response, &inputs.centre(), &scales))
-            }
-        })
-    }
-}
-
-fn polarised<const N: usize>(
-    response: &impl Response<N>,
-    x: &[f64; N],
-    scales: &[f64; N],
-) -> Expansion<N> {
-    let mut pairs = (0..N).flat_map(|i| (i..N).map(move |j| (i, j))).peekable();
-    let mut out = empty(response, x);
-    let mut along = [[0.0; N]; N];
-    while pairs.peek().is_some() {
-        let batch: [Option<(usize, usize)>; LANES] = std::array::from_fn(|_| pairs.next());
-        let jets = std::array::from_fn(|k| {
-            let weight = |pair: Option<(usize, usize)>| match pair {
-                Some((i, j)) if k == i || k == j => scales[k],
-                _ => 0.0,
-            };
-            Jet::new(x[k], batch.map(weight))
-        });
-        let y = response.value(&jets);
-        for (lane, (i, j)) in batch.iter().enumerate().filter_map(|(lane, p)| Some((lane, (*p)?))) {
-            along[i][j] = y.second[lane];
-            if i == j {
-                out.gradient[i] = y.first[lane] / scales[i];
-            }
-        }
-    }
-    let mut hessian = [[0.0; N]; N];
-    for i in 0..N {
-        hessian[i][i] = along[i][i] / (scales[i] * scales[i]);
-        for j in i + 1..N {
-            let mixed = 0.5 * (along[i][j] - along[i][i] - along[j][j]);
-            hessian[i][j] = mixed / (scales[i] * scales[j]);
-            hessian[j][i] = hessian[i][j];
-        }
-    }
-    Expansion { hessian: Some(hessian), ..out }
 }
 
 /// Scales of the inputs: their deviations, or for certain inputs their magnitude.

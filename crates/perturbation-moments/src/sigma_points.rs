@@ -1,7 +1,6 @@
 //! The 2N+1 sigma points: moments without derivatives.
 
 use crate::along::AlongDirections;
-use crate::derivatives::{Derivatives, Known};
 use crate::error::Error;
 use crate::moments::Moments;
 use crate::random_vector::RandomVector;
@@ -96,18 +95,5 @@ impl<const N: usize> SigmaPoints<N> {
         let first_order = moments.first_order_variance()?;
         let ratio = (self.variance() / first_order - 1.0).abs();
         Ok(Trust { sigma_point_ratio: Some(ratio), ..moments.trust()? })
-    }
-}
-
-/// Sigma points of a response as slopes and curvatures along `L e_k`.
-#[derive(Debug, Clone, Copy)]
-pub struct BySigmaPoints<F>(
-    /// The response: a value at a point.
-    pub F,
-);
-
-impl<const N: usize, F: Fn(&[f64; N]) -> f64> Derivatives<N> for BySigmaPoints<F> {
-    fn know(&self, inputs: &RandomVector<N>) -> Result<Known<N>, Error> {
-        Ok(Known::AlongDirections(*SigmaPoints::new(inputs, &self.0)?.along()))
     }
 }

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
 use perturbation_moments::{
-    CentralDifferences, Derivatives, Error, Expansion, ForwardDifferentiation, HighestOrder,
-    JetCurvature, JetDifferentiation, Known, Moments, RandomVector, Response, Scalar, Verdict,
+    CentralDifferences, Derivatives, Error, Expansion, ForwardDifferentiation, HighestOrder, Known,
+    Moments, RandomVector, Response, Scalar, Verdict,
 };
 
 /// Derivatives from a table that another program wrote: here those of `y = x1^2 x2` at (2, 3).
@@ -71,7 +71,7 @@ fn users_way_gives_the_moments_derived_by_hand() {
 fn users_response_goes_through_every_way_alike() {
     let response = Program;
     let expected = Moments::by(&inputs(), &table()).unwrap();
-    let ways: [(&str, Moments<2>, f64); 4] = [
+    let ways: [(&str, Moments<2>, f64); 3] = [
         (
             "forward, third order",
             Moments::by(
@@ -89,15 +89,6 @@ fn users_response_goes_through_every_way_alike() {
             )
             .unwrap(),
             1e-14,
-        ),
-        (
-            "jets",
-            Moments::by(
-                &inputs(),
-                &JetDifferentiation { response: &response, curvature: JetCurvature::Full },
-            )
-            .unwrap(),
-            1e-13,
         ),
         (
             "differences",

@@ -1,8 +1,7 @@
 //! A field given measured values at points.
 
-use sde_integrators::Noise;
+use sde_integrators::{Cholesky, Noise};
 
-use crate::cholesky::Cholesky;
 use crate::correlation::distance;
 use crate::error::{Error, finite, same_length};
 use crate::random_field::RandomField;

@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 
 mod box_modes;
-mod cholesky;
 mod conditioned;
 mod correlation;
 mod error;

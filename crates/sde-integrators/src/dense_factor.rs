@@ -1,5 +1,6 @@
 //! Noise factor of a full covariance.
 
+use crate::cholesky::Cholesky;
 use crate::components::{Block, entries, for_components, multiply, multiply_transposed};
 use crate::error::Error;
 use crate::noise_factor::{NoiseFactor, require_finite, require_length};
@@ -21,19 +22,21 @@ impl DenseFactor {
     /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::CovarianceNotSymmetric`],
     /// [`Error::CovarianceNotPositiveDefinite`] with the first row that fails.
     pub fn new(n: usize, covariance: &[f64]) -> Result<Self, Error> {
-        require_length("entries of the covariance", covariance.len(), n.saturating_mul(n))?;
-        require_finite("entry of the covariance", covariance)?;
-        for row in 0..n {
-            for column in 0..row {
-                let difference =
-                    (covariance[row * n + column] - covariance[column * n + row]).abs();
-                let limit = 1e-12
-                    * (covariance[row * n + row] * covariance[column * n + column]).abs().sqrt();
-                if difference > limit {
-                    return Err(Error::CovarianceNotSymmetric { row, column, difference, limit });
-                }
-            }
-        }
+        require_symmetric(n, covariance)?;
+        let factor = Cholesky::new(n, covariance.to_vec(), 0.0)
+            .map_err(|small| Error::CovarianceNotPositiveDefinite { row: small.row })?;
+        Ok(Self { n, rows: factor.into_packed() })
+    }
+
+    /// The same by faer, for large covariances: as fast up to 1,000 unknowns, 1.6 times as fast with 2,000, 2.2 with 4,000.
+    ///
+    /// Its sums, and so the last bits of the factor, depend on the registers of the machine.
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    #[cfg(feature = "faer")]
+    pub fn by_faer(n: usize, covariance: &[f64]) -> Result<Self, Error> {
+        require_symmetric(n, covariance)?;
         let matrix = faer::Mat::from_fn(n, n, |row, column| covariance[row * n + column]);
         let factor = matrix.llt(faer::Side::Lower).map_err(|error| match error {
             faer::linalg::solvers::LltError::NonPositivePivot { index } => {
@@ -73,6 +76,23 @@ impl DenseFactor {
     ) -> usize {
         multiply_transposed::<C>(self.n, self.rows().map(entries), of, x, result)
     }
+}
+
+/// A square matrix of finite numbers, symmetric to `1e-12` of its diagonal.
+fn require_symmetric(n: usize, covariance: &[f64]) -> Result<(), Error> {
+    require_length("entries of the covariance", covariance.len(), n.saturating_mul(n))?;
+    require_finite("entry of the covariance", covariance)?;
+    for row in 0..n {
+        for column in 0..row {
+            let difference = (covariance[row * n + column] - covariance[column * n + row]).abs();
+            let limit =
+                1e-12 * (covariance[row * n + row] * covariance[column * n + column]).abs().sqrt();
+            if difference > limit {
+                return Err(Error::CovarianceNotSymmetric { row, column, difference, limit });
+            }
+        }
+    }
+    Ok(())
 }
 
 impl NoiseFactor for DenseFactor {

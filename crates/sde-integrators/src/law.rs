@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::cholesky::{BadPivot, factor, solve_lower};
+use crate::cholesky::{SmallPivot, small_cholesky};
 use crate::error::Error;
 use crate::noise::{Noise, Purpose};
 
@@ -201,7 +201,9 @@ impl<const D: usize> Factored<D> {
             }
         }
         require_symmetric(index, covariance)?;
-        let factor = factor(covariance).map_err(|BadPivot { row, pivot, limit }| {
+        let least = D as f64 * f64::EPSILON;
+        let factor = small_cholesky(covariance, least).map_err(|small| {
+            let SmallPivot { row, value: pivot, limit } = small;
             Error::NotPositiveDefinite { component: index, row, pivot, limit }
         })?;
         let log_determinant: f64 = (0..D).map(|i| factor[i][i].ln()).sum();
@@ -214,7 +216,12 @@ impl<const D: usize> Factored<D> {
         for (value, mean) in difference.iter_mut().zip(&self.component.mean) {
             *value -= mean;
         }
-        let whitened = solve_lower(&self.factor, &difference);
+        // L^-1 (x - mean)
+        let (l, mut whitened) = (&self.factor, difference);
+        for row in 0..D {
+            let known: f64 = (0..row).map(|k| l[row][k] * whitened[k]).sum();
+            whitened[row] = (difference[row] - known) / l[row][row];
+        }
         self.log_peak - 0.5 * whitened.iter().map(|y| y * y).sum::<f64>()
     }
 }

@@ -4,7 +4,6 @@ mod blocks;
 mod chacha;
 mod cholesky;
 mod components;
-#[cfg(feature = "dense")]
 mod dense_factor;
 mod diagonal;
 mod ensemble;
@@ -46,7 +45,7 @@ mod tally;
 mod theta;
 
 pub use blocks::{BLOCK_LENGTH, reduce_blocks, reduce_in_tree};
-#[cfg(feature = "dense")]
+pub use cholesky::{Cholesky, SmallPivot, small_cholesky};
 pub use dense_factor::DenseFactor;
 pub use diagonal::{DiagonalNoise, DiagonalSde, StratonovichForm, check_diagonal_noise};
 pub use ensemble::{Ensemble, Study, simulate};

@@ -1,13 +1,11 @@
 //! Moments of a response over the unit cube, from replicas of points.
 
-use sde_integrators::Accumulator;
-
 use crate::control::SampledMoments;
+use crate::designed::DesignedRuns;
 use crate::error::{Error, require_at_least, require_finite_responses};
 use crate::ladder::Failure;
 use crate::parallel::map_in_order;
-use crate::points::{Replica, Sampling, check_points};
-use crate::rates::{mean_square, of_replicas};
+use crate::points::Sampling;
 
 /// Means and variances of responses of a point of the unit cube, by randomised quasi-Monte Carlo.
 ///
@@ -50,113 +48,70 @@ pub struct UnitCube {
     pub n_replicas: u64,
 }
 
-/// Points computed by one thread at a time.
+/// Runs computed by one thread at a time.
 const BLOCK: u64 = 64;
 
 impl UnitCube {
     /// Mean and variance of each response.
     ///
-    /// With the feature `rayon` points run in parallel on the current pool; the result is bitwise identical for any number
+    /// With the feature `rayon` runs are computed in parallel on the current pool; the result is bitwise identical for any number
     /// of threads.
     ///
     /// # Errors
     /// [`Error::TooFew`], [`Error::TooMany`], [`Error::NotPowerOfTwo`] for the fields; [`Error::SampleFailed`],
-    /// [`Error::NonFiniteSample`] for the lowest point with such a response.
+    /// [`Error::NonFiniteSample`] for the lowest run with such a response.
     pub fn moments(
         &self,
         n_responses: usize,
         response: impl Fn(&[f64], &mut [f64]) -> Result<(), Failure> + Sync + Send,
     ) -> Result<Vec<SampledMoments>, Error> {
+        let values = self.values(&self.runs()?, n_responses, response)?;
+        values.iter().map(|values| self.moments_of_runs(values, &[])).collect()
+    }
+
+    /// The values of each response in all runs of a design.
+    pub(crate) fn values(
+        &self,
+        runs: &DesignedRuns,
+        n_responses: usize,
+        response: impl Fn(&[f64], &mut [f64]) -> Result<(), Failure> + Sync + Send,
+    ) -> Result<Vec<Vec<f64>>, Error> {
         require_at_least("responses", n_responses as u64, 1)?;
-        let per_point = |replica: &Replica, index: u64, y: &mut [f64]| {
-            let mut x = vec![0.0; self.dimension];
-            replica.point(index, &mut x);
-            evaluate(&response, &x, index, y)
-        };
-        let replicas = self.replicas(n_responses, self.dimension, per_point)?;
-        let n = self.n_replicas as f64;
-        Ok((0..n_responses)
-            .map(|response| {
-                let (mut means, mut variances) = (Accumulator::default(), Accumulator::default());
-                for sums in &replicas {
-                    means.push(sums[response].mean());
-                }
-                for sums in &replicas {
-                    let square = mean_square(&sums[response]);
-                    let between = (sums[response].mean() - means.mean()).powi(2);
-                    variances.push(square + n / (n - 1.0) * between);
-                }
-                SampledMoments { mean: of_replicas(&means), variance: of_replicas(&variances) }
-            })
-            .collect())
-    }
-
-    /// Sums over the points of each replica, in order.
-    fn replicas(
-        &self,
-        n_values: usize,
-        dimension: usize,
-        evaluate: impl Fn(&Replica, u64, &mut [f64]) -> Result<(), Error> + Sync + Send,
-    ) -> Result<Vec<Vec<Accumulator>>, Error> {
-        self.collect(
-            dimension,
-            |replica, indices| {
-                let mut sums = vec![Accumulator::default(); n_values];
-                let mut values = vec![0.0; n_values];
-                for index in indices {
-                    evaluate(replica, index, &mut values)?;
-                    sums.iter_mut().zip(&values).for_each(|(sum, value)| sum.push(*value));
-                }
-                Ok(sums)
-            },
-            |earlier, later| {
-                earlier.iter_mut().zip(later).for_each(|(sum, later)| sum.merge(&later));
-            },
-        )
-    }
-
-    /// A result for each block of points, merged in order for each replica.
-    pub(crate) fn collect<T: Send>(
-        &self,
-        dimension: usize,
-        block: impl Fn(&Replica, std::ops::Range<u64>) -> Result<T, Error> + Sync + Send,
-        merge: impl Fn(&mut T, T),
-    ) -> Result<Vec<T>, Error> {
-        check_points(self.sampling, self.n_points, self.n_replicas)?;
-        let replicas: Vec<Replica> = (0..self.n_replicas)
-            .map(|replica| Replica::new(self.sampling, dimension, self.seed, replica))
-            .collect::<Result<_, _>>()?;
-        let mut merged = Vec::new();
-        let n_blocks = self.n_points.div_ceil(BLOCK);
-        let tasks: Vec<(usize, u64)> = (0..replicas.len())
-            .flat_map(|replica| (0..n_blocks).map(move |block| (replica, block)))
-            .collect();
-        let results = map_in_order(&tasks, |&(replica, number)| {
+        let n_runs = runs.n_runs();
+        let blocks: Vec<u64> = (0..n_runs.div_ceil(BLOCK)).collect();
+        let block = |&number: &u64| {
             let start = number * BLOCK;
-            block(&replicas[replica], start..self.n_points.min(start + BLOCK))
-        });
-        for (&(_, number), result) in tasks.iter().zip(results) {
-            match (number, merged.last_mut()) {
-                (0, _) | (_, None) => merged.push(result?),
-                (_, Some(earlier)) => merge(earlier, result?),
+            let (mut x, mut rows) = (vec![0.0; self.dimension], Vec::new());
+            for run in start..n_runs.min(start + BLOCK) {
+                runs.input(run, &mut x);
+                let mut y = vec![0.0; n_responses];
+                evaluate(&response, &x, run, &mut y)?;
+                rows.append(&mut y);
+            }
+            Ok(rows)
+        };
+        let mut values = vec![Vec::new(); n_responses];
+        for rows in map_in_order(&blocks, block) {
+            for row in rows?.chunks_exact(n_responses) {
+                values.iter_mut().zip(row).for_each(|(values, y)| values.push(*y));
             }
         }
-        Ok(merged)
+        Ok(values)
     }
 }
 
 /// Responses of a point, checked.
-pub(crate) fn evaluate(
+fn evaluate(
     response: &impl Fn(&[f64], &mut [f64]) -> Result<(), Failure>,
     x: &[f64],
-    index: u64,
+    run: u64,
     y: &mut [f64],
 ) -> Result<(), Error> {
     const MODEL: &str = "the response on the unit cube";
     response(x, y).map_err(|failure| Error::SampleFailed {
         model: MODEL.into(),
-        realisation: index,
+        realisation: run,
         message: failure.to_string(),
     })?;
-    require_finite_responses(&MODEL, index, y)
+    require_finite_responses(&MODEL, run, y)
 }

@@ -149,11 +149,16 @@ impl UnitCube {
     /// # Errors
     /// As [`moments_of_runs`](Self::moments_of_runs); [`Error::NoVariance`] for a response that does not vary.
     pub fn sobol_indices_of_runs(&self, values: &[f64]) -> Result<SobolIndices, Error> {
+        self.indices(0, values)
+    }
+
+    /// The same of a response by its number, for errors.
+    pub(crate) fn indices(&self, response: usize, values: &[f64]) -> Result<SobolIndices, Error> {
         let width = self.dimension + 2;
         check_rows(&self.index_runs()?, values, 1)?;
         let replicas = self.by_replica(values, width);
         let sums: Vec<Comoments> = replicas.iter().map(|rows| sums_of(rows, width)).collect();
-        indices_of_sums(0, self.dimension, &sums.iter().collect::<Vec<_>>())
+        indices_of_sums(response, self.dimension, &sums)
     }
 
     /// The rows of each replica, of `width` numbers.

@@ -1,11 +1,11 @@
 //! Polynomial chaos as a control variate, fitted to the same samples.
 
-use sde_integrators::{Accumulator, Estimate};
+use sde_integrators::{Accumulator, Cholesky, Estimate};
 
 use crate::control::SampledMoments;
 use crate::error::{Error, require_at_least, require_finite_responses};
 use crate::hermite::{Hermite, MOST_DEGREE};
-use crate::normal_equations::Factor;
+use crate::normal_equations::factors_without_each_fold;
 use crate::rates::{jackknife, mean_square, with_error};
 
 /// Polynomials of independent standard normals, fitted to samples fold by fold.
@@ -57,7 +57,7 @@ pub struct PolynomialControl {
     /// The polynomials at each sample, row by row, up to the largest degree that the samples can fit.
     rows: Vec<f64>,
     /// Normal equations without each fold, by degree from zero.
-    fits: Vec<Vec<Factor>>,
+    fits: Vec<Vec<Cholesky>>,
 }
 
 /// Mean, variance and Sobol' indices of a response.
@@ -119,7 +119,7 @@ impl PolynomialControl {
         }
         let of_degree = |degree: usize| {
             let p = basis.len_to(degree);
-            Factor::without_each_fold(&rows, width, p, n_folds)
+            factors_without_each_fold(&rows, width, p, n_folds)
         };
         // A degree whose equations are singular ends the list: samples may share a plane.
         let fits = (0..=largest).map_while(of_degree).collect();
@@ -240,7 +240,7 @@ impl Fitted {
         }
         let all: Vec<f64> = (0..p).map(|t| right.iter().map(|fold| fold[t]).sum()).collect();
         let fits = &control.fits[degree];
-        let without = |(r, fit): (usize, &Factor)| {
+        let without = |(r, fit): (usize, &Cholesky)| {
             let others: Vec<f64> = all.iter().zip(&right[r]).map(|(all, own)| all - own).collect();
             fit.solve(others)
         };

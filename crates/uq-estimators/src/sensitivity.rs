@@ -3,10 +3,9 @@
 use sde_integrators::Estimate;
 
 use crate::comoments::Comoments;
-use crate::cube::{UnitCube, evaluate};
+use crate::cube::UnitCube;
 use crate::error::{Error, require_at_least};
 use crate::ladder::Failure;
-use crate::points::Replica;
 use crate::rates::jackknife;
 
 /// Sobol' indices of one response, each with its standard error.
@@ -68,48 +67,10 @@ impl UnitCube {
         n_responses: usize,
         response: impl Fn(&[f64], &mut [f64]) -> Result<(), Failure> + Sync + Send,
     ) -> Result<Vec<SobolIndices>, Error> {
-        require_at_least("responses", n_responses as u64, 1)?;
         require_at_least("dimensions", self.dimension as u64, 1)?;
-        let p = self.dimension;
-        let block = |replica: &Replica, indices: std::ops::Range<u64>| {
-            let mut sums = vec![Comoments::new(p + 2); n_responses];
-            let mut x = vec![0.0; p.saturating_mul(2)];
-            let mut values = vec![0.0; (p + 2) * n_responses];
-            let mut row = vec![0.0; p + 2];
-            for index in indices {
-                replica.point(index, &mut x);
-                let (a, b) = x.split_at(p);
-                let mut c = a.to_vec();
-                let mut runs = values.chunks_exact_mut(n_responses);
-                for point in [a, b] {
-                    if let Some(y) = runs.next() {
-                        evaluate(&response, point, index, y)?;
-                    }
-                }
-                for (i, y) in runs.enumerate() {
-                    c[i] = b[i];
-                    evaluate(&response, &c, index, y)?;
-                    c[i] = a[i];
-                }
-                for (r, sums) in sums.iter_mut().enumerate() {
-                    let of_run =
-                        |(k, entry): (usize, &mut f64)| *entry = values[k * n_responses + r];
-                    row.iter_mut().enumerate().for_each(of_run);
-                    sums.push(&row);
-                }
-            }
-            Ok(sums)
-        };
-        let merge = |earlier: &mut Vec<Comoments>, later: Vec<Comoments>| {
-            earlier.iter_mut().zip(&later).for_each(|(sums, later)| sums.merge(later));
-        };
-        let replicas = self.collect(p.saturating_mul(2), block, merge)?;
-        (0..n_responses)
-            .map(|r| {
-                let of_response: Vec<&Comoments> = replicas.iter().map(|sums| &sums[r]).collect();
-                indices_of_sums(r, p, &of_response)
-            })
-            .collect()
+        let values = self.values(&self.index_runs()?, n_responses, response)?;
+        let indices = |(response, values): (usize, &Vec<f64>)| self.indices(response, values);
+        values.iter().enumerate().map(indices).collect()
     }
 }
 
@@ -117,7 +78,7 @@ impl UnitCube {
 pub(crate) fn indices_of_sums(
     response: usize,
     p: usize,
-    replicas: &[&Comoments],
+    replicas: &[Comoments],
 ) -> Result<SobolIndices, Error> {
     let pooled = |without: Option<usize>| {
         let mut sums = Comoments::new(p + 2);

@@ -1,11 +1,11 @@
 //! The responses of the reference cases, and what this crate's formulas make of them.
 
-use perturbation_moments::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{
-    Derivatives, Expansion, ForwardDifferentiation, HighestOrder, JetCurvature, JetDifferentiation,
-    Known, Moments, RandomVector, Response, Scalar, SigmaPoints, Trust,
+    Expansion, ForwardDifferentiation, HighestOrder, Jet, Moments, RandomVector, Response, Scalar,
+    SigmaPoints, Trust,
 };
 
+use super::closed_forms::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use super::reference::{ReferenceCase, State};
 use crate::case::CaseError;
 
@@ -35,7 +35,7 @@ pub struct Amplification;
 
 /// Mie-Gruneisen with `S2 = S3 = 0`, by `S1`, `gamma0`, `a`.
 #[derive(Debug, Clone, Copy)]
-pub struct ShortMieGruneisen(MieGruneisen);
+pub(crate) struct ShortMieGruneisen(MieGruneisen);
 
 impl Response<3> for Linear {
     fn value<S: Scalar>(&self, x: &[S; 3]) -> S {
@@ -135,14 +135,14 @@ pub fn visit<V: Visitor>(case: &ReferenceCase, visitor: &mut V) -> Result<V::Out
         ("ishigami", _) => visitor.visit(&inputs::<3>(case)?, &Ishigami, None),
         ("sdof", _) => visitor.visit(&inputs::<3>(case)?, &Amplification, None),
         (_, Some(State::JohnsonCook { ep, rate, temperature })) => {
-            let response = JohnsonCook::new(ep, rate, temperature)?;
+            let response = JohnsonCook::new(ep, rate, temperature);
             let inputs = inputs::<5>(case)?;
             visitor.visit(&inputs, &response, Some(response.expansion(inputs.mean())))
         }
         (_, Some(State::MieGruneisen { mu, e, rho0, c0 })) => {
             let state =
                 MieGruneisenState { bulk_modulus: rho0 * c0 * c0, compression: mu, energy: e };
-            let response = MieGruneisen::new(state)?;
+            let response = MieGruneisen::new(state);
             let inputs = inputs::<3>(case)?;
             let [s1, gamma, a] = *inputs.mean();
             let closed = shorten(&response.expansion(&[s1, 0.0, 0.0, gamma, a]));
@@ -197,12 +197,16 @@ impl Visitor for Assess<'_> {
         let case = self.0;
         let way = ForwardDifferentiation { response, order: HighestOrder::Third };
         let expansion = way.expansion(inputs.mean());
-        // Third derivatives are those of dual numbers: jets have none.
-        let jets = JetDifferentiation { response, curvature: JetCurvature::Full };
-        let Known::ByInputs(by_jets) = jets.know(inputs)? else {
-            return Err("jets of full curvature gave derivatives along directions".into());
-        };
-        let by_jets = Expansion { third: expansion.third, ..by_jets };
+        // What jets do not carry, mixed and third derivatives, is that of dual numbers.
+        let mean = inputs.mean();
+        let y = response.value(&std::array::from_fn(|k| Jet::variable(mean[k], k)));
+        let mut by_jets = Expansion { value: y.value, ..expansion };
+        for k in 0..N {
+            by_jets.gradient[k] = y.first[k];
+            if let Some(hessian) = &mut by_jets.hessian {
+                hessian[k][k] = y.second[k];
+            }
+        }
         let mut derivative_error =
             largest(derivative_error(case, &expansion), derivative_error(case, &by_jets));
         if let Some(closed) = closed {

@@ -3,11 +3,9 @@
 mod custom_lane_sde;
 mod ensemble;
 mod estimate;
-#[cfg(feature = "dense")]
 mod factors;
 mod guided;
 mod initial_distribution;
-
 mod methods;
 mod moments;
 mod noise;

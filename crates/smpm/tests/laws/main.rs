@@ -16,6 +16,8 @@ mod johnson_cook_point;
 mod materials;
 mod plate_impact;
 mod published;
+#[path = "../../../perturbation-moments/tests/responses/mod.rs"]
+mod responses;
 mod restart;
 mod uncertainty;
 mod varying;

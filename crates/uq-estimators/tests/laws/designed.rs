@@ -33,26 +33,6 @@ fn values(runs: &uq_estimators::DesignedRuns) -> Vec<f64> {
 }
 
 #[test]
-fn stored_runs_give_what_the_closure_gives() {
-    let stored = CUBE.moments_of_runs(&values(&CUBE.runs().unwrap()), &[]).unwrap();
-    let at_once = CUBE.moments(1, response).unwrap()[0];
-    let indices = CUBE.sobol_indices_of_runs(&values(&CUBE.index_runs().unwrap())).unwrap();
-    let expected = &CUBE.sobol_indices(1, response).unwrap()[0];
-    let pairs = [
-        (stored.mean, at_once.mean),
-        (stored.variance, at_once.variance),
-        (indices.first[1], expected.first[1]),
-        (indices.total[2], expected.total[2]),
-        (indices.variance, expected.variance),
-    ];
-    for (a, b) in pairs {
-        assert!((a.value - b.value).abs() < 1e-13, "{a:?} {b:?}");
-        let errors = [a, b].map(|x| x.standard_error().unwrap());
-        assert!((errors[0] - errors[1]).abs() < 1e-10, "{a:?} {b:?}");
-    }
-}
-
-#[test]
 fn a_design_of_twice_the_points_begins_with_all_runs_of_the_smaller() {
     let double = UnitCube { n_points: 128, ..CUBE };
     for (small, large) in [

@@ -11,7 +11,6 @@
 mod control;
 mod cube;
 mod designed;
-mod multifidelity;
 mod multilevel;
 mod polynomial;
 mod quantiles;

@@ -4,8 +4,8 @@ use fpk_sph::systems::GeometricBrownianMotion;
 use result_figures::{ErrorKind, Measured};
 use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
 use uq_estimators::{
-    Bias, ControlledSamples, Estimate, Multifidelity, Multilevel, PathLadder, PolynomialControl,
-    Sampling, Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
+    Bias, ControlledSamples, Estimate, Multilevel, PathLadder, PolynomialControl, Sampling,
+    Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
 };
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -42,8 +42,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     claims.extend(repeat(context, "multilevel", ["mean", "variance", "probability"], multilevel)?);
     context.progress("control variates");
     claims.extend(repeat(context, "control-variates", ["mean", "variance"], controlled)?);
-    context.progress("multifidelity");
-    claims.extend(repeat(context, "multifidelity", ["mean"], multifidelity)?);
     context.progress("polynomials");
     claims.extend(polynomials(context)?);
     context.progress("rare events");
@@ -186,23 +184,6 @@ fn controlled(seed: u64) -> Result<[Miss; 2], CaseError> {
         ControlledSamples { samples: &samples, surrogates: &surrogates, seed }.estimate()?;
     let exact = [(0.5 * v).exp(), v.exp() * (v.exp() - 1.0)];
     Ok([miss(found.mean, exact[0], NORMAL), miss(found.variance, exact[1], NORMAL)])
-}
-
-/// Mean of `exp(u / 2)`, `u` uniform, with polynomials of degree 1 and 2 as surrogates of unknown mean.
-fn multifidelity(seed: u64) -> Result<[Miss; 1], CaseError> {
-    let run = |model: usize, sample: u64| {
-        let v = 0.5 * Noise::new(seed).stream(Purpose::Field, sample).next_uniform();
-        Ok([v.exp(), 1.0 + v + 0.5 * v * v, v][model])
-    };
-    let study = Multifidelity {
-        name: "coverage",
-        costs: &[1.0, 0.05, 1e-3],
-        tolerance: 3e-3,
-        pilot: 60,
-        block_length: 64,
-        budget: 1e6,
-    };
-    Ok([miss(study.run(run)?.mean, 2.0 * (0.5_f64.exp() - 1.0), NORMAL)])
 }
 
 /// Moments of `exp(w z)`, and the total index of the second input.

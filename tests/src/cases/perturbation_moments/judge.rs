@@ -1,8 +1,8 @@
 //! The Monte Carlo judge: raw and controlled, against quadrature; the other ways to differentiate.
 
 use perturbation_moments::{
-    CentralDifferences, Expansion, ForwardDifferentiation, HighestOrder, JetCurvature,
-    JetDifferentiation, Judgement, Moments, MonteCarlo, RandomVector, Response,
+    CentralDifferences, Expansion, ForwardDifferentiation, HighestOrder, Judgement, Moments,
+    MonteCarlo, RandomVector, Response,
 };
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Estimate;
@@ -15,7 +15,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "perturbation-moments/judge",
-    title: "Monte Carlo with a Taylor control variate; jets and differences against dual numbers",
+    title: "Monte Carlo with a Taylor control variate; differences against dual numbers",
     source: "mean and variance by Gauss-Hermite quadrature",
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -39,7 +39,7 @@ const FACTOR_SPREAD: f64 = 1.25;
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let table = ReferenceTable::read()?;
     let mut claims = Vec::new();
-    let (mut jets, mut differences) = (0.0_f64, 0.0_f64);
+    let mut differences = 0.0_f64;
     for (name, factors) in CASES {
         context.progress(name);
         let case = table.cases.iter().find(|case| case.name == name).ok_or("no such case")?;
@@ -47,12 +47,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         claims.extend(against_quadrature(context, case, &judged));
         claims.push(surrogate(context, case, &judged));
         claims.extend(reductions(context, case, &judged, factors));
-        let (by_jets, by_differences) = visit(case, &mut OtherWays)?;
-        jets = largest(jets, by_jets);
-        differences = largest(differences, by_differences);
+        differences = largest(differences, visit(case, &mut ByDifferences)?);
     }
-    let reason = "roundoff: the polarised Hessian, some hundred operations";
-    claims.push(way(context, "jets", jets, 1e-13, reason));
     let reason = "differences extrapolated to a few 1e-13 of a deviation in third derivatives";
     claims.push(way(context, "central-differences", differences, 5e-12, reason));
     claims.push(threads(context, &table)?);
@@ -81,29 +77,24 @@ impl Visitor for Sample {
     }
 }
 
-/// Errors of the variance with curvature by jets, and of the fourth-order one by differences, relative to dual numbers.
-struct OtherWays;
+/// Error of the fourth-order variance by differences, relative to dual numbers.
+struct ByDifferences;
 
-impl Visitor for OtherWays {
-    type Output = (f64, f64);
+impl Visitor for ByDifferences {
+    type Output = f64;
 
     fn visit<const N: usize>(
         &mut self,
         inputs: &RandomVector<N>,
         response: &(impl Response<N> + Sync),
         _closed: Option<Expansion<N>>,
-    ) -> Result<(f64, f64), CaseError> {
+    ) -> Result<f64, CaseError> {
         let dual = ForwardDifferentiation { response, order: HighestOrder::Third };
-        let jets = JetDifferentiation { response, curvature: JetCurvature::Full };
         let differences =
             CentralDifferences::new(|x: &[f64; N]| response.value(x), HighestOrder::Third);
         let expected = Moments::by(inputs, &dual)?;
-        let jets = Moments::by(inputs, &jets)?.variance_with_curvature()?;
         let differences = Moments::by(inputs, &differences)?.variance_fourth_order()?;
-        Ok((
-            jets / expected.variance_with_curvature()? - 1.0,
-            differences / expected.variance_fourth_order()? - 1.0,
-        ))
+        Ok(differences / expected.variance_fourth_order()? - 1.0)
     }
 }
 

@@ -110,7 +110,7 @@ fn statements(family: &Family) -> [Statement; 5] {
         (
             "derivatives",
             "worst error of value, gradient, Hessian, third derivatives",
-            "dual numbers, jets (to second order), and closed form where there is one",
+            "dual numbers, jets (first and own second derivatives), and closed form where there is one",
             ROUNDOFF,
             SAME,
         ),

@@ -5,10 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use crate::error::{Error, require_positive};
-use crate::expansion::Expansion;
-use crate::response::Response;
-use crate::scalar::Scalar;
+use perturbation_moments::{Expansion, Response, Scalar};
 
 /// Johnson-Cook flow stress at a given state, as a function of its parameters `x = [A, B, C, n, m]`.
 ///
@@ -21,63 +18,41 @@ use crate::scalar::Scalar;
 /// Source: Johnson and Cook 1983; derivatives Chen et al. 2019, eq 34-35. Five entries are wrong in print
 /// (docs/errata.md): the second derivatives in `n` and `m` are not zero, and `C4`, `C5`, `C6` are products of
 /// logarithms, not logarithms of sums.
-///
-/// ```
-/// use perturbation_moments::responses::JohnsonCook;
-///
-/// // At a strain of 1 and the reference rate: (A + B)(1 - T^m).
-/// let state = JohnsonCook::new(1.0, 1.0, 0.25)?;
-/// let (value, first, second) = state.diagonal(&[792.0, 510.0, 0.014, 0.26, 0.5]);
-/// assert_eq!(value, 1302.0 * 0.5);
-/// assert_eq!((first[0], first[3]), (0.5, 0.0)); // dA; at a strain of 1 nothing hangs on n
-/// assert!((second[4] + 1302.0 * 0.5 * 0.25_f64.ln().powi(2)).abs() < 1e-9); // - C1 C2 T^m ln^2 T
-/// # Ok::<(), perturbation_moments::Error>(())
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(
     clippy::struct_field_names,
     reason = "they are logarithms, and must not be taken for the state"
 )]
-pub struct JohnsonCook {
+pub(crate) struct JohnsonCook {
     log_strain: f64,
     log_rate: f64,
     log_temperature: f64,
 }
 
 impl JohnsonCook {
-    /// Response at a state: plastic strain, strain rate over the reference rate, homologous temperature.
-    ///
-    /// # Errors
-    /// [`Error::NotPositive`] if one of them is not finite and positive, because the derivatives contain their
-    /// logarithms.
-    pub fn new(
+    /// Response at a state: plastic strain, strain rate over the reference rate, homologous temperature, all positive.
+    pub(crate) fn new(
         plastic_strain: f64,
         relative_rate: f64,
         homologous_temperature: f64,
-    ) -> Result<Self, Error> {
-        require_positive("plastic strain", plastic_strain)?;
-        require_positive("relative strain rate", relative_rate)?;
-        require_positive("homologous temperature", homologous_temperature)?;
-        Ok(Self::from_logarithms([
-            plastic_strain.ln(),
-            relative_rate.ln(),
-            homologous_temperature.ln(),
-        ]))
+    ) -> Self {
+        let state = [plastic_strain, relative_rate, homologous_temperature];
+        Self::from_logarithms(state.map(f64::ln))
     }
 
-    /// Response at a state given by the logarithms of strain, relative rate and homologous temperature, unchecked.
+    /// Response at a state given by the logarithms of strain, relative rate and homologous temperature.
     ///
     /// For loops over many states whose logarithms are available.
     #[must_use]
     #[inline(always)]
-    pub const fn from_logarithms([log_strain, log_rate, log_temperature]: [f64; 3]) -> Self {
+    pub(crate) const fn from_logarithms([log_strain, log_rate, log_temperature]: [f64; 3]) -> Self {
         Self { log_strain, log_rate, log_temperature }
     }
 
     /// Value, and the five first and five unmixed second derivatives, in closed form.
     #[must_use]
     #[inline(always)]
-    pub fn diagonal(&self, x: &[f64; 5]) -> (f64, [f64; 5], [f64; 5]) {
+    pub(crate) fn diagonal(&self, x: &[f64; 5]) -> (f64, [f64; 5], [f64; 5]) {
         let p = self.parts(x);
         let (c12, c13, c23) = (p.c1 * p.c2, p.c1 * p.c3, p.c2 * p.c3);
         let by_n = p.b_strain * self.log_strain * c23;
@@ -94,7 +69,7 @@ impl JohnsonCook {
     /// The response is a product of three factors without common parameters, so each derivative is the product of the
     /// factors' derivatives.
     #[must_use]
-    pub fn expansion(&self, x: &[f64; 5]) -> Expansion<5> {
+    pub(crate) fn expansion(&self, x: &[f64; 5]) -> Expansion<5> {
         let p = self.parts(x);
         let (ln_e, ln_t) = (self.log_strain, self.log_temperature);
         // The order in each parameter selects the derivative of each factor.

@@ -5,20 +5,17 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use crate::error::{Error, require_finite, require_positive};
-use crate::expansion::Expansion;
-use crate::response::Response;
-use crate::scalar::Scalar;
+use perturbation_moments::{Expansion, Response, Scalar};
 
 /// State of the pressure, and the certain material data.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MieGruneisenState {
+pub(crate) struct MieGruneisenState {
     /// `rho0 c0^2`: initial density times the square of the bulk sound speed (Pa).
-    pub bulk_modulus: f64,
+    pub(crate) bulk_modulus: f64,
     /// `mu = rho/rho0 - 1`, above -1.
-    pub compression: f64,
+    pub(crate) compression: f64,
     /// `e`: internal energy per initial volume (Pa).
-    pub energy: f64,
+    pub(crate) energy: f64,
 }
 
 /// Mie-Grüneisen pressure at a given state, as a function of its parameters `x = [S1, S2, S3, gamma0, a]`.
@@ -32,20 +29,8 @@ pub struct MieGruneisenState {
 /// `S2 = S3 = 0`: for a Gaussian `S1` its moments do not exist. See [`denominator`](Self::denominator).
 ///
 /// Source: Chen et al. 2019, eq 10 and 31-33, correct in print.
-///
-/// ```
-/// use perturbation_moments::responses::{MieGruneisen, MieGruneisenState};
-///
-/// let state = MieGruneisenState { bulk_modulus: 4.0, compression: 0.5, energy: 3.0 };
-/// let response = MieGruneisen::new(state)?;
-/// // S1 = 1 leaves the denominator at one: p = 4 * 0.5 * 1.5 + 0 with gamma0 = a = 0.
-/// let (value, first, second) = response.diagonal(&[1.0, 0.0, 0.0, 0.0, 0.0]);
-/// assert_eq!(value, 3.0);
-/// assert_eq!((first[0], second[0]), (3.0 * 2.0 * 0.5, 3.0 * 6.0 * 0.25));
-/// # Ok::<(), perturbation_moments::Error>(())
-/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MieGruneisen {
+pub(crate) struct MieGruneisen {
     state: MieGruneisenState,
     /// Coefficients of `S1 - 1`, `S2` and `S3` in the denominator.
     weights: [f64; 3],
@@ -53,21 +38,8 @@ pub struct MieGruneisen {
 
 impl MieGruneisen {
     /// Response at a state.
-    ///
-    /// # Errors
-    /// [`Error::NotPositive`] for a bulk modulus or `1 + mu` that is not finite and positive, [`Error::NotFinite`] for
-    /// the energy.
-    pub fn new(state: MieGruneisenState) -> Result<Self, Error> {
-        require_positive("bulk modulus", state.bulk_modulus)?;
-        require_positive("relative density 1 + mu", 1.0 + state.compression)?;
-        require_finite("internal energy", 0, state.energy)?;
-        Ok(Self::from_state(state))
-    }
-
-    /// The same, unchecked, for loops over many states.
-    #[must_use]
     #[inline(always)]
-    pub fn from_state(state: MieGruneisenState) -> Self {
+    pub(crate) fn new(state: MieGruneisenState) -> Self {
         let mu = state.compression;
         // Without a shock the denominator is one: with these weights zero, one formula holds for both signs.
         let ratio = mu / (1.0 + mu);
@@ -78,7 +50,7 @@ impl MieGruneisen {
     /// `1 - (S1 - 1) mu - ..`: the pressure has its pole where this is zero, outside the physical range.
     #[must_use]
     #[inline(always)]
-    pub fn denominator<S: Scalar>(&self, x: &[S; 5]) -> S {
+    pub(crate) fn denominator<S: Scalar>(&self, x: &[S; 5]) -> S {
         let [w1, w2, w3] = self.weights;
         (x[0] * -w1 + (1.0 + w1)) - (x[1] * w2 + x[2] * w3)
     }
@@ -86,7 +58,7 @@ impl MieGruneisen {
     /// Value, and the five first and five unmixed second derivatives, in closed form.
     #[must_use]
     #[inline(always)]
-    pub fn diagonal(&self, x: &[f64; 5]) -> (f64, [f64; 5], [f64; 5]) {
+    pub(crate) fn diagonal(&self, x: &[f64; 5]) -> (f64, [f64; 5], [f64; 5]) {
         let MieGruneisenState { bulk_modulus, compression: mu, energy } = self.state;
         let [w1, w2, w3] = self.weights;
         // Operations without the division come first; only powers of the inverse follow.
@@ -109,7 +81,7 @@ impl MieGruneisen {
 
     /// Value, gradient, Hessian and third derivatives, in closed form.
     #[must_use]
-    pub fn expansion(&self, x: &[f64; 5]) -> Expansion<5> {
+    pub(crate) fn expansion(&self, x: &[f64; 5]) -> Expansion<5> {
         let MieGruneisenState { bulk_modulus, compression: mu, energy } = self.state;
         let inverse = 1.0 / self.denominator(x);
         let half = if mu > 0.0 { -0.5 * mu } else { 0.0 };

@@ -14,7 +14,6 @@
 mod bonded;
 mod case;
 mod count;
-mod elastic;
 mod fluid;
 mod grid;
 mod lattice;

@@ -2,12 +2,12 @@
 
 #![allow(
     clippy::inline_always,
-    reason = "what is not inlined into the dispatched closure is not compiled for its registers"
+    reason = "what is not inlined into the dispatch_narrowed closure is not compiled for its registers"
 )]
 
 use std::ops::Range;
 
-use simd_lanes::dispatch;
+use simd_lanes::dispatch_narrow;
 
 use crate::tile_size::{block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of};
 
@@ -100,7 +100,7 @@ impl<const D: usize> Binning<D> {
             self.starts[run.slot as usize + 1] += 1;
         }
         let Self { runs, nodes, bases, .. } = self;
-        dispatch(
+        dispatch_narrow(
             #[inline(always)]
             || {
                 for run in &*runs {

@@ -37,7 +37,7 @@ where
 {
     // The unit tests run no step.
     #[cfg(not(test))]
-    if const { M::IS_COMPILED && !S::COMPILED.is_empty() } {
+    if const { M::IS_COMPILED && S::IS_COMPILED } {
         let of_this_material = |make: &&(dyn std::any::Any + Send + Sync)| {
             make.downcast_ref::<crate::compiled_points::Make<M, S>>().copied()
         };
@@ -61,7 +61,7 @@ where
     M::State: 'static,
 {
     #[cfg(not(test))]
-    if const { M::IS_COMPILED_VARYING && !S::COMPILED.is_empty() } {
+    if const { M::IS_COMPILED_VARYING && S::IS_COMPILED } {
         let of_this_material = |make: &&(dyn std::any::Any + Send + Sync)| {
             make.downcast_ref::<crate::compiled_points::MakeVarying<M, S>>().copied()
         };

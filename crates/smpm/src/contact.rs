@@ -20,8 +20,8 @@ pub(crate) const MOST_GAP: f64 = 1.0 / 64.0;
 pub(crate) struct Friction {
     /// Coulomb's coefficient (no unit).
     pub(crate) coefficient: f64,
-    /// The share of a nodal velocity that particles take in a step (PIC), 0 to 1.
-    pub(crate) pic: f64,
+    /// Whether particles take the nodal velocity (APIC), not its change.
+    pub(crate) affine: bool,
 }
 
 /// Fraction of volume that a body fills around a node, and its gradient.
@@ -69,8 +69,8 @@ impl<S: Number, const D: usize> Surface<S, D> {
 /// Contact of two bodies at a node that they fill.
 ///
 /// Symbols: $v$ = nodal velocities before the step, $\Delta v$ = their changes by forces, $m = m_a m_b / (m_a + m_b)$.
-/// The unit normal $n$ points from `a` to `b`, and $\Delta = (v_a - v_b) \cdot n$. $\mu$ = `coefficient`; $\beta$ = `pic` is the
-/// share of a nodal velocity that particles take.
+/// The unit normal $n$ points from `a` to `b`, and $\Delta = (v_a - v_b) \cdot n$. $\mu$ = `coefficient`; $\beta$ is
+/// one where particles take the nodal velocity (APIC), zero where they take its change (FLIP).
 ///
 /// The approach before the step is removed from the nodal velocities as at a mirror plane. It is
 /// no velocity change, so FLIP particles keep it, and the collision loses no energy by it. The approach that forces add is an
@@ -88,7 +88,7 @@ impl<S: Number, const D: usize> Surface<S, D> {
 pub(crate) fn meet<S: Number, const D: usize>(
     (a, mass_a, of_a): (&mut Node<S, D>, S, &Surface<S, D>),
     (b, mass_b, of_b): (&mut Node<S, D>, S, &Surface<S, D>),
-    Friction { coefficient, pic }: Friction,
+    Friction { coefficient, affine }: Friction,
 ) {
     let Some(normal) = of_a.normal_into(of_b) else { return };
     let zero = S::constant(0.0);
@@ -108,7 +108,8 @@ pub(crate) fn meet<S: Number, const D: usize>(
     if approach.value() < 0.0 {
         approach = zero;
     }
-    let share = friction_share(&slip, approach + before * pic, coefficient);
+    let pressed = if affine { approach + before } else { approach };
+    let share = friction_share(&slip, pressed, coefficient);
     let both = (mass_a + mass_b).recip();
     let (share_a, share_b) = (mass_b * both, mass_a * both);
     for k in 0..D {
@@ -173,7 +174,7 @@ mod tests {
     }
 
     fn flip(coefficient: f64) -> Friction {
-        Friction { coefficient, pic: 0.0 }
+        Friction { coefficient, affine: false }
     }
 
     fn assert_close(found: [f64; 2], expected: [f64; 2]) {
@@ -202,9 +203,9 @@ mod tests {
         assert_close(before, [brought[0] - 0.36, brought[1] - 0.48]);
         assert_close(change, [0.0; 2]);
         assert_close(momentum, brought.map(|c| 2.0 * c));
-        // With PIC particles lose a part of it, and that part bears friction.
-        let [_, change, _] = met(brought, [0.0; 2], Friction { coefficient: 0.3, pic: 0.5 });
-        assert_close(change, [-0.6 * 0.15 * 0.8, 0.6 * 0.15 * 0.6]);
+        // With APIC particles lose it, and it bears friction.
+        let [_, change, _] = met(brought, [0.0; 2], Friction { coefficient: 0.3, affine: true });
+        assert_close(change, [-0.6 * 0.3 * 0.8, 0.6 * 0.3 * 0.6]);
         // Bodies that separate are free, also where forces press less than they separate.
         let parting = brought.map(|c| -c);
         assert_eq!(met(parting, [0.0; 2], flip(0.3))[..2], [parting, [0.0; 2]]);

@@ -73,23 +73,6 @@ pub enum Error {
     /// A varying material that does not show its constants.
     #[error("the constants of this material cannot vary: it does not show all of them")]
     ConstantsNotShown,
-    /// Something that reverse mode does not differentiate.
-    #[error(
-        "reverse mode does not differentiate {what}: take stress last, FLIP or APIC, hats or B-splines, bonded bodies and constants \
-         of varying bodies, or jets"
-    )]
-    NotReversed {
-        /// What.
-        what: &'static str,
-    },
-    /// Reverse mode needs memory for one state at least.
-    #[error("reverse mode may keep {value} bytes; a state of this run has {limit}")]
-    AdjointMemory {
-        /// What is allowed.
-        value: usize,
-        /// The least.
-        limit: usize,
-    },
     /// Another number of coefficients than the experiment takes.
     #[error("{value} coefficients of random fields; the experiment takes {expected}")]
     OtherCoefficients {

@@ -50,8 +50,8 @@ pub(crate) struct Grid<S, const D: usize> {
 pub(crate) struct Solve {
     /// The step; zero where velocities alone are asked for.
     pub(crate) dt: f64,
-    /// The share of a nodal velocity that particles take in it.
-    pub(crate) pic: f64,
+    /// Whether particles take the nodal velocity (APIC), not its change.
+    pub(crate) affine: bool,
     /// Nodes lighter than this stand still: their acceleration would be a quotient of roundoff.
     pub(crate) smallest_mass: f64,
     /// Whether masses were summed too; else they are those of the last time.
@@ -200,7 +200,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
                             &tiles[slot],
                             owned,
                             masses,
-                            Friction { coefficient, pic: solve.pic },
+                            Friction { coefficient, affine: solve.affine },
                         );
                     }
                     if is_constrained {

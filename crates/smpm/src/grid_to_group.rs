@@ -1,4 +1,4 @@
-//! Grid to particle for groups of particles in lanes, with the operations of `grid_to_particle.rs` in the same order: results are
+//! Grid to particle for groups of particles in lanes, with the operations of `grid_to_jet.rs` in the same order: results are
 //! bitwise identical to those one by one. The numbers of a node are read once for up to four particles.
 //!
 //! All shape functions, transfers and dimensions take this path; a chunk of fewer than four particles does not.
@@ -15,9 +15,8 @@ use crate::group::{Group, LANES, PAIR, components, group_outer, lanes_of, of_gro
 use crate::group_axis::GroupAxis;
 use crate::lattice::Lattice;
 use crate::node::Node;
-use crate::particle_motion::GridToParticle;
+use crate::particle_motion::{GridToParticle, Pass};
 use crate::particles::Chunk;
-use crate::pass::Pass;
 use crate::shape::{Shape, nodes_along};
 use crate::tile_size::block_edge;
 use crate::velocity_gradients::VelocityGradients;
@@ -56,10 +55,11 @@ pub(crate) fn grid_to_groups<const D: usize>(
     grid: &Grid<f64, D>,
     (chunk, gradients): (&mut Chunk<'_, f64, D>, &mut VelocityGradients<f64>),
 ) {
-    match transfer.shape.n_nodes() {
-        2 => level.run(ChunkInLanes::<D, 2> { transfer, grid, chunk, gradients }),
-        3 => level.run(ChunkInLanes::<D, 3> { transfer, grid, chunk, gradients }),
-        _ => level.run(ChunkInLanes::<D, 4> { transfer, grid, chunk, gradients }),
+    match transfer.shape {
+        Shape::QuadraticBSpline => {
+            level.run(ChunkInLanes::<D, 3> { transfer, grid, chunk, gradients })
+        }
+        Shape::CubicBSpline => level.run(ChunkInLanes::<D, 4> { transfer, grid, chunk, gradients }),
     }
 }
 
@@ -70,18 +70,11 @@ impl<const D: usize, const NODES: usize> Work<f64> for ChunkInLanes<'_, '_, D, N
     #[inline(always)]
     fn run<R: Registers<f64>>(mut self, registers: R) {
         let transfer = *self.transfer;
-        let flip = GridToParticle { affine: false, with_pic: false, ..transfer };
-        match (transfer.pass, transfer.affine || transfer.with_pic) {
-            (Pass::Whole, false) => {
-                self.groups(registers, &GridToParticle { pass: Pass::Whole, ..flip });
-            }
-            (Pass::Velocity, false) => {
-                self.groups(registers, &GridToParticle { pass: Pass::Velocity, ..flip });
-            }
-            (Pass::StressAndMove, _) => {
-                self.groups(registers, &GridToParticle { pass: Pass::StressAndMove, ..flip });
-            }
-            _ => self.groups(registers, &transfer),
+        let of = |pass, affine| GridToParticle { pass, affine, ..transfer };
+        match (transfer.pass, transfer.affine) {
+            (Pass::Velocity, false) => self.groups(registers, &of(Pass::Velocity, false)),
+            (Pass::Velocity, true) => self.groups(registers, &of(Pass::Velocity, true)),
+            (Pass::StressAndMove, _) => self.groups(registers, &of(Pass::StressAndMove, false)),
         }
     }
 }
@@ -111,12 +104,8 @@ impl<const D: usize, const NODES: usize> ChunkInLanes<'_, '_, D, NODES> {
                     continue;
                 }
                 let x = components(registers, chunk.position, groups);
-                let axes = transfer.lattice.group_axes::<R, NODES>(
-                    registers,
-                    transfer.shape,
-                    (&x, chunk.half_length),
-                    (groups, chunk.base),
-                );
+                let axes =
+                    transfer.lattice.group_axes::<R, NODES>(registers, &x, (groups, chunk.base));
                 let mut nodes = [grid.from(chunk.node[groups[0].particle()]); PAIR];
                 for b in 1..R::N / LANES {
                     nodes[b] = grid.from(chunk.node[groups[b].particle()]);
@@ -235,13 +224,11 @@ impl<V: Lanes<Number = f64>, const D: usize> GroupSums<V, D> {
 impl<const D: usize> GridToParticle<D> {
     #[inline(always)]
     fn wanted(&self) -> Wanted {
-        let updates = self.pass.updates_velocity();
-        let with_matrix = updates && self.affine;
-        let moment = with_matrix && self.inverse_inertia.is_some();
+        let is_velocity = self.pass == Pass::Velocity;
         Wanted {
-            change: updates && (!self.with_pic || self.shares.0 != 0.0),
-            gradient: self.pass.updates_stress() || (with_matrix && !moment),
-            moment,
+            change: is_velocity && !self.affine,
+            gradient: !is_velocity,
+            moment: is_velocity && self.affine,
         }
     }
 
@@ -286,47 +273,31 @@ impl<const D: usize> GridToParticle<D> {
         sums: &GroupSums<R::Vector, D>,
         velocity_gradients: &mut VelocityGradients<f64>,
     ) {
-        let dt = registers.splat(self.dt);
-        if self.pass.updates_stress() {
-            self.set_gradients(registers, chunk, (groups, x), sums, velocity_gradients);
-        }
-        if !self.pass.updates_velocity() {
+        if self.pass == Pass::StressAndMove {
+            self.set_gradients(registers, (groups, x), sums, velocity_gradients);
             return;
         }
+        let dt = registers.splat(self.dt);
         let before = components(registers, chunk.velocity, groups);
-        let mut velocity = before;
-        let (flip, pic) = (registers.splat(self.shares.0), registers.splat(self.shares.1));
-        let mut moved = *x;
+        let (mut velocity, mut moved) = (before, *x);
         for k in 0..D {
             let new = sums.velocity[k];
-            velocity[k] = if !self.with_pic {
-                velocity[k] + sums.change[k]
-            } else if self.shares.0 == 0.0 {
-                new
-            } else {
-                (velocity[k] + sums.change[k]) * flip + new * pic
-            };
-            // A particle whose stress is updated later from the same place stays there.
-            moved[k] = if self.pass.moves() { x[k] + new * dt } else { new * dt };
+            velocity[k] = if self.affine { new } else { velocity[k] + sums.change[k] };
+            moved[k] = new * dt;
         }
         if self.affine {
             self.set_matrices(registers, chunk, (groups, x), sums);
         }
         set_vectors(registers, groups, (&velocity, &before), chunk.velocity);
-        if self.pass.moves() {
-            set_vectors(registers, groups, (&moved, x), chunk.position);
-        } else {
-            let before = components(registers, chunk.displacement, groups);
-            set_vectors(registers, groups, (&moved, &before), chunk.displacement);
-        }
+        let before = components(registers, chunk.displacement, groups);
+        set_vectors(registers, groups, (&moved, &before), chunk.displacement);
     }
 
-    /// `L_p = sum_i v_i grad N_i`, and the hoop `v_r/r`; with GIMP the particle's lengths.
+    /// `L_p = sum_i v_i grad N_i`, and the hoop `v_r/r`.
     #[inline(always)]
     fn set_gradients<R: Registers<f64>>(
         &self,
         registers: R,
-        chunk: &mut Chunk<'_, f64, D>,
         (groups, x): (&[Group], &[R::Vector; D]),
         sums: &GroupSums<R::Vector, D>,
         velocity_gradients: &mut VelocityGradients<f64>,
@@ -347,13 +318,6 @@ impl<const D: usize> GridToParticle<D> {
             let hoop = sums.velocity[0] / x[0];
             set_lanes(registers, groups, hoop, velocity_gradients.entries_mut(2, 2));
         }
-        if self.shape == Shape::Gimp {
-            let lengths = components(registers, chunk.half_length, groups);
-            for k in 0..D {
-                let longer = lengths[k] + lengths[k] * l[k][k] * registers.splat(self.dt);
-                set_numbers(registers, groups, longer, (chunk.stretched.as_flattened_mut(), D, k));
-            }
-        }
     }
 
     /// APIC's matrix.
@@ -365,7 +329,7 @@ impl<const D: usize> GridToParticle<D> {
         (groups, x): (&[Group], &[R::Vector; D]),
         sums: &GroupSums<R::Vector, D>,
     ) {
-        let Lattice { origin, cell, per_cell } = self.lattice;
+        let Lattice { origin, cell, .. } = self.lattice;
         let lowest = [groups[0], groups[R::N / LANES - 1]].map(|group| group.particle());
         for l in 0..D {
             let corner = of_groups(
@@ -377,13 +341,9 @@ impl<const D: usize> GridToParticle<D> {
             );
             let arm = corner - (x[l] - registers.splat(origin[l]));
             for k in 0..D {
-                let matrix = match self.inverse_inertia {
-                    None => sums.gradient[l][k] * registers.splat(per_cell),
-                    Some(inverse) => {
-                        let moment = sums.moment[k][l] * registers.splat(cell);
-                        (sums.velocity[k] * arm + moment) * registers.splat(inverse)
-                    }
-                };
+                let moment = sums.moment[k][l] * registers.splat(cell);
+                let inverse = registers.splat(self.inverse_inertia);
+                let matrix = (sums.velocity[k] * arm + moment) * inverse;
                 let column = chunk.affine.as_flattened_mut().as_flattened_mut();
                 set_numbers(registers, groups, matrix, (column, D * D, D * k + l));
             }

@@ -1,4 +1,10 @@
-//! Grid to particle for numbers with derivatives, by plain weights: [`crate::taylor_weights`].
+//! Grid to particle (G2P), particle by particle: velocity and velocity gradient.
+//!
+//! $$ v_p \leftarrow v_p + \sum_i \Delta v_i N_i(x_p) \;\text{(FLIP)} \quad\text{or}\quad \sum_i v_i N_i(x_p) \;\text{(APIC)},
+//!    \qquad L_p = \sum_i v_i \nabla N_i(x_p), \qquad x_p \leftarrow x_p + \Delta t \sum_i v_i N_i(x_p) $$
+//!
+//! For jets and gradients, and for `f64` where a chunk has fewer particles than a register. Shape functions are plain weights:
+//! [`crate::taylor_weights`].
 //!
 //! The nodes' numbers are summed with the shape function and its derivatives as plain weights, each order as far as the
 //! particle needs it. What it is to have, a velocity or a slope of the velocity, follows once from these sums and from the
@@ -14,9 +20,9 @@ use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 use crate::grid::Grid;
 use crate::node::Node;
 use crate::number::Number;
-use crate::particle_motion::{GridToParticle, Sums};
+use crate::particle_motion::{GridToParticle, Pass, Sums};
 use crate::particles::Chunk;
-use crate::shape::nodes_spanned;
+use crate::shape::{Shape, nodes_spanned};
 use crate::taylor_weights::{
     Derivatives, MOST_TERMS, Shift, TaylorWeights, load, registers_of_directions, store,
 };
@@ -26,11 +32,31 @@ use crate::velocity_gradients::VelocityGradients;
 
 /// A pass over a chunk of particles.
 #[derive(Debug)]
-pub(crate) struct GridToJet<'a, 'b, S, const D: usize, const NODES: usize> {
-    pub(crate) transfer: GridToParticle<D>,
-    pub(crate) grid: &'a Grid<S, D>,
-    pub(crate) chunk: &'a mut Chunk<'b, S, D>,
-    pub(crate) gradients: &'a mut VelocityGradients<S>,
+struct GridToJet<'a, 'b, S, const D: usize, const NODES: usize> {
+    transfer: GridToParticle<D>,
+    grid: &'a Grid<S, D>,
+    chunk: &'a mut Chunk<'b, S, D>,
+    gradients: &'a mut VelocityGradients<S>,
+}
+
+impl<const D: usize> GridToParticle<D> {
+    /// What the pass asks of all particles of a chunk, one by one; velocity gradients go into `gradients`.
+    pub(crate) fn one_by_one<S: Number>(
+        self,
+        grid: &Grid<S, D>,
+        chunk: &mut Chunk<'_, S, D>,
+        gradients: &mut VelocityGradients<S>,
+    ) {
+        let transfer = self;
+        match self.shape {
+            Shape::QuadraticBSpline => {
+                GridToJet::<S, D, 3> { transfer, grid, chunk, gradients }.find_all();
+            }
+            Shape::CubicBSpline => {
+                GridToJet::<S, D, 4> { transfer, grid, chunk, gradients }.find_all();
+            }
+        }
+    }
 }
 
 /// Sums `sum_i u_i N_i^(t)` of a component of a vector at the nodes, by derivative `t`.
@@ -52,8 +78,9 @@ impl<V: Lanes<Number = f64>> Moments<V> {
         at: usize,
     ) {
         let next = &Derivatives::<D>::NEXT;
-        if let Some(value) = to.value_mut() {
-            *value = self.value[t];
+        *to.value_mut() = self.value[t];
+        if S::ORDER == 0 {
+            return;
         }
         let mut first = self.first[t];
         for l in 0..D {
@@ -97,9 +124,13 @@ impl Entry {
 }
 
 impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODES> {
-    /// What the pass asks of all particles of the chunk.
-    pub(crate) fn find_all(self) {
-        SimdLevel::best().run(self);
+    /// What the pass asks of all particles of the chunk; wide registers hold derivatives alone.
+    fn find_all(self) {
+        if const { S::ORDER > 0 } {
+            SimdLevel::best().run(self);
+        } else {
+            SimdLevel::PORTABLE.run_narrow(self);
+        }
     }
 
     /// Sums of an entry of the nodes for `N_i` itself, and for its derivatives up to the order `highest`.
@@ -118,13 +149,15 @@ impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODE
             #[inline(always)]
             |i| entry.of(&nodes[i]).value(),
         );
-        let first = weights.gather(
-            (nothing, times),
-            highest + S::ORDER - 1,
-            #[inline(always)]
-            |i| load(registers, entry.of(&nodes[i]), 1, at),
-        );
-        let mut second = [nothing; MOST_TERMS];
+        let (mut first, mut second) = ([nothing; MOST_TERMS], [nothing; MOST_TERMS]);
+        if S::ORDER > 0 {
+            first = weights.gather(
+                (nothing, times),
+                highest + S::ORDER - 1,
+                #[inline(always)]
+                |i| load(registers, entry.of(&nodes[i]), 1, at),
+            );
+        }
         if S::ORDER > 1 {
             second = weights.gather(
                 (nothing, times),
@@ -145,11 +178,9 @@ impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODE
         position: &[S; D],
         sums: &mut Sums<S, D>,
     ) {
-        let GridToParticle { pass, with_pic, shares, affine, .. } = self.transfer;
-        let with_change = pass.updates_velocity() && (!with_pic || shares.0 != 0.0);
-        let with_moment =
-            pass.updates_velocity() && affine && self.transfer.inverse_inertia.is_some();
-        for at in registers_of_directions::<R>() {
+        let (with_change, with_moment) =
+            (!SLOPES && !self.transfer.affine, !SLOPES && self.transfer.affine);
+        for at in registers_of_directions::<S, R>() {
             let shift = Shift::load(registers, position, self.transfer.lattice.per_cell, at);
             for c in 0..D {
                 let velocity = (Entry::Velocity(c), None);
@@ -184,22 +215,20 @@ impl<S: Number, const D: usize, const NODES: usize> Work<f64> for GridToJet<'_, 
     #[inline(always)]
     fn run<R: Registers<f64>>(self, registers: R) {
         let (mut sums, mut weights) = (Sums::none(), TaylorWeights::none());
-        let GridToParticle { pass, affine, inverse_inertia, lattice, .. } = self.transfer;
-        let with_matrix = pass.updates_velocity() && affine && inverse_inertia.is_none();
-        let with_slopes = pass.updates_stress() || with_matrix;
+        let GridToParticle { pass, lattice, .. } = self.transfer;
         for p in 0..self.chunk.len() {
             let (position, base) = (self.chunk.position[p], &self.chunk.base[p]);
             weights.find(&lattice, &position, base);
             let nodes = &self.grid.from(self.chunk.node[p])[..nodes_spanned::<NODES, D>()];
             let of = (nodes, &weights);
-            if with_slopes {
+            if pass == Pass::StressAndMove {
                 self.sum::<R, true>(registers, of, &position, &mut sums);
             } else {
                 self.sum::<R, false>(registers, of, &position, &mut sums);
             }
             let transfer = self.transfer;
             let mut gradient = [[S::constant(0.0); 3]; 3];
-            transfer.apply::<S, NODES>(self.chunk, p, &sums, &mut gradient);
+            transfer.apply(self.chunk, p, &sums, &mut gradient);
             self.gradients.set(p, &gradient);
         }
     }

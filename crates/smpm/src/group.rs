@@ -9,7 +9,6 @@ use simd_lanes::{Lanes, Registers};
 
 use crate::group_axis::GroupAxis;
 use crate::lattice::Lattice;
-use crate::shape::Shape;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
 
@@ -144,22 +143,16 @@ pub(crate) fn components<R: Registers<f64>, const K: usize>(
 }
 
 impl<const D: usize> Lattice<D> {
-    /// The shape function of groups of particles at `x` along all axes, from their lowest nodes `bases` on. Without GIMP
-    /// `half_lengths` is empty.
+    /// The shape function of groups of particles at `x` along all axes, from their lowest nodes `bases` on.
     #[inline(always)]
     pub(crate) fn group_axes<R: Registers<f64>, const NODES: usize>(
         &self,
         registers: R,
-        shape: Shape,
-        (x, half_lengths): (&[R::Vector; D], &[[f64; D]]),
+        x: &[R::Vector; D],
         (groups, bases): (&[Group], &[[i32; D]]),
     ) -> [GroupAxis<R::Vector>; D] {
         let per_cell = registers.splat(self.per_cell);
         let mut axes = [GroupAxis::none(per_cell); D];
-        let mut half = *x;
-        if NODES == Shape::Gimp.n_nodes() && shape == Shape::Gimp {
-            half = components(registers, half_lengths, groups);
-        }
         let mut lowest = [&bases[groups[0].particle()]; PAIR];
         for b in 1..R::N / LANES {
             lowest[b] = &bases[groups[b].particle()];
@@ -167,7 +160,7 @@ impl<const D: usize> Lattice<D> {
         for k in 0..D {
             let s = (x[k] - registers.splat(self.origin[k])) * per_cell;
             let base = of_groups(registers, [f64::from(lowest[0][k]), f64::from(lowest[1][k])]);
-            axes[k] = GroupAxis::of::<NODES>(shape, (s, half[k] * per_cell), base);
+            axes[k] = GroupAxis::of::<NODES>(s, base);
         }
         axes
     }

@@ -7,7 +7,6 @@
 
 use simd_lanes::Lanes;
 
-use crate::shape::Shape;
 use crate::tile_size::MOST_NODES;
 
 /// Values and slopes (per cell) of a shape function along one axis, from the lowest node of the particles.
@@ -25,23 +24,13 @@ impl<V: Lanes<Number = f64>> GroupAxis<V> {
         Self { value: zeros, slope: zeros }
     }
 
-    /// For particles at `s` with half lengths `half` (both in cells; only GIMP uses the second) and lowest node `lowest`, a whole
-    /// number.
+    /// For particles at `s` (in cells) with the lowest node `lowest`, a whole number.
     #[inline(always)]
-    pub(crate) fn of<const NODES: usize>(shape: Shape, (s, half): (V, V), lowest: V) -> Self {
+    pub(crate) fn of<const NODES: usize>(s: V, lowest: V) -> Self {
         match NODES {
-            2 => Self::hat(s - lowest),
             3 => Self::quadratic(s - lowest),
-            _ if shape == Shape::Gimp => Self::gimp((s, half), lowest),
             _ => Self::cubic(s - (lowest + s.splat(1.0))),
         }
-    }
-
-    /// At `f` from 0 to 1 behind the lowest node.
-    #[inline(always)]
-    fn hat(f: V) -> Self {
-        let (zero, one) = (f.splat(0.0), f.splat(1.0));
-        Self { value: [one - f, f, zero, zero], slope: [f.splat(-1.0), one, zero, zero] }
     }
 
     /// At `f` from 1/2 to 3/2 behind the lowest node.
@@ -78,31 +67,4 @@ impl<V: Lanes<Number = f64>> GroupAxis<V> {
             ],
         }
     }
-
-    /// The hat averaged over the length of the particles.
-    #[inline(always)]
-    fn gimp((s, half): (V, V), lowest: V) -> Self {
-        let (zero, one) = (s.splat(0.0), s.splat(1.0));
-        let inverse = one / half * s.splat(0.5);
-        let mut axis = Self { value: [zero; MOST_NODES], slope: [zero; MOST_NODES] };
-        for k in 0..MOST_NODES {
-            let d = s - (lowest + s.splat(k as f64));
-            let (low, high) = (d - half, d + half);
-            axis.value[k] = (hat_integral(high) - hat_integral(low)) * inverse;
-            axis.slope[k] = (hat(high) - hat(low)) * inverse;
-        }
-        axis
-    }
-}
-
-#[inline(always)]
-fn hat<V: Lanes<Number = f64>>(u: V) -> V {
-    (u.splat(1.0) - u.abs()).max(u.splat(0.0))
-}
-
-#[inline(always)]
-fn hat_integral<V: Lanes<Number = f64>>(u: V) -> V {
-    let rest = hat(u);
-    let below = rest * rest * u.splat(0.5);
-    V::select(u.less(u.splat(0.0)), below, u.splat(1.0) - below)
 }

@@ -1,4 +1,4 @@
-//! Particle to grid for groups of particles in lanes, with the formulas of `particle_to_grid.rs`.
+//! Particle to grid for groups of particles in lanes, with the formulas of `jet_to_grid.rs`.
 //!
 //! Contributions are summed over a group in registers, so a node is read and written once for up to four particles. Against the sums
 //! one by one this changes the order of summation: results agree within roundoff. All shape functions, transfers and dimensions
@@ -19,7 +19,7 @@ use crate::group::{
 use crate::group_axis::GroupAxis;
 use crate::node::Node;
 use crate::particle_terms::{ENTRY, Given, ParticleToGrid};
-use crate::shape::nodes_along;
+use crate::shape::{Shape, nodes_along};
 use crate::tile_size::{MOST_NODES, block_edge};
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
@@ -63,10 +63,13 @@ pub(crate) fn groups_to_grid<const D: usize>(
     (body, slot): (&Body<f64, D>, usize),
     (first, nodes, masses): (usize, &mut [Node<f64, D>], &mut [f64]),
 ) {
-    match transfer.shape.n_nodes() {
-        2 => level.run(TileInLanes::<D, 2> { transfer, body, slot, first, nodes, masses }),
-        3 => level.run(TileInLanes::<D, 3> { transfer, body, slot, first, nodes, masses }),
-        _ => level.run(TileInLanes::<D, 4> { transfer, body, slot, first, nodes, masses }),
+    match transfer.shape {
+        Shape::QuadraticBSpline => {
+            level.run(TileInLanes::<D, 3> { transfer, body, slot, first, nodes, masses })
+        }
+        Shape::CubicBSpline => {
+            level.run(TileInLanes::<D, 4> { transfer, body, slot, first, nodes, masses })
+        }
     }
 }
 
@@ -130,8 +133,7 @@ impl<const D: usize, const NODES: usize> TileInLanes<'_, D, NODES> {
                 let x = components(registers, &particles.position, groups);
                 axes[part] = transfer.lattice.group_axes::<R, NODES>(
                     registers,
-                    transfer.shape,
-                    (&x, &particles.half_length),
+                    &x,
                     (groups, &binning.bases),
                 );
                 terms[part] = transfer.group_terms(registers, &of, &x, groups);

@@ -1,4 +1,10 @@
-//! Particle to grid for numbers with derivatives, by plain weights: [`crate::taylor_weights`].
+//! Particle to grid (P2G), particle by particle: nodal mass, momentum and force.
+//!
+//! $$ m_i = \sum_p m_p N_i(x_p), \qquad (m v)_i = \sum_p m_p (v_p + C_p (x_i - x_p)) N_i(x_p), \qquad
+//!    f_i = \sum_p m_p N_i(x_p) b - V_p \sigma_p \nabla N_i(x_p) $$
+//!
+//! Chen et al. 2019, eq 3 and 6 with their errata; `C_p` is APIC's matrix, zero with FLIP. For jets and gradients, and for `f64`
+//! where a body has fewer particles than a register. Shape functions are plain weights: [`crate::taylor_weights`].
 //!
 //! What a particle gives is a product of a number and a shape function, both with derivatives. Values are summed as those of
 //! `f64` are; derivatives of an order are polynomials in the derivatives of the shape function, with coefficients that are
@@ -14,8 +20,8 @@ use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 use crate::body::Body;
 use crate::node::Node;
 use crate::number::Number;
-use crate::particle_terms::{ENTRY, Given, ParticleToGrid, Run, Terms};
-use crate::shape::{nodes_along, nodes_spanned};
+use crate::particle_terms::{ENTRY, Given, ParticleToGrid, Run};
+use crate::shape::{Shape, nodes_along, nodes_spanned};
 use crate::taylor_weights::{
     Derivatives, MOST_TERMS, Shift, TaylorWeights, add, load, registers_of_directions,
 };
@@ -25,14 +31,34 @@ use crate::tile_size::block_edge;
 
 /// The particles of a body in a tile, and the blocks of this tile.
 #[derive(Debug)]
-pub(crate) struct JetToGrid<'a, S, const D: usize, const NODES: usize> {
-    pub(crate) transfer: ParticleToGrid<D>,
-    pub(crate) body: &'a Body<S, D>,
-    pub(crate) slot: usize,
+struct JetToGrid<'a, S, const D: usize, const NODES: usize> {
+    transfer: ParticleToGrid<D>,
+    body: &'a Body<S, D>,
+    slot: usize,
     /// The number of the first node.
-    pub(crate) first: usize,
-    pub(crate) nodes: &'a mut [Node<S, D>],
-    pub(crate) masses: &'a mut [S],
+    first: usize,
+    nodes: &'a mut [Node<S, D>],
+    masses: &'a mut [S],
+}
+
+impl<const D: usize> ParticleToGrid<D> {
+    /// Adds the particles of a body in a tile, one by one, to the tile's blocks from node number `first` on.
+    pub(crate) fn one_by_one<S: Number>(
+        self,
+        body: &Body<S, D>,
+        slot: usize,
+        (first, nodes, masses): (usize, &mut [Node<S, D>], &mut [S]),
+    ) {
+        let transfer = self;
+        match self.shape {
+            Shape::QuadraticBSpline => {
+                JetToGrid::<S, D, 3> { transfer, body, slot, first, nodes, masses }.add_all();
+            }
+            Shape::CubicBSpline => {
+                JetToGrid::<S, D, 4> { transfer, body, slot, first, nodes, masses }.add_all();
+            }
+        }
+    }
 }
 
 /// A number with its derivatives in a register of directions.
@@ -78,7 +104,7 @@ impl<V: Lanes<Number = f64>> Part<V> {
     }
 }
 
-/// The terms of a particle in a register of directions, as in [`Terms`].
+/// What a particle gives to its nodes, in a register of directions.
 #[derive(Debug)]
 struct Parts<V, const D: usize> {
     momentum: [Part<V>; D],
@@ -137,9 +163,13 @@ impl<V: Lanes<Number = f64>> Coefficients<V> {
 }
 
 impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
-    /// Adds what the particles give.
-    pub(crate) fn add_all(self) {
-        SimdLevel::best().run(self);
+    /// Adds what the particles give; wide registers hold derivatives alone.
+    fn add_all(self) {
+        if const { S::ORDER > 0 } {
+            SimdLevel::best().run(self);
+        } else {
+            SimdLevel::PORTABLE.run_narrow(self);
+        }
     }
 
     #[inline(always)]
@@ -160,10 +190,9 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
         let (mut momentum, mut force) = (none, [none; D]);
         let (mut body_force, mut growth) = (none, [none; D]);
         if self.transfer.affine {
-            let mut terms = Terms::zero();
-            self.transfer.find_momentum(of, p, &mut terms);
+            let terms = self.transfer.affine_momentum(of, p);
             for c in 0..D {
-                momentum[c] = Part::load(registers, &terms.along.momentum()[c], at);
+                momentum[c] = Part::load(registers, &terms.lowest[c], at);
                 for l in 0..D {
                     growth[l][c] = Part::load(registers, &terms.growth[l][c], at);
                 }
@@ -236,11 +265,9 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
                     for i in 0..NODES {
                         let (value, slope) = (weights.along[0][i], weights.along[1][i]);
                         let momentum = if affine { momentum + growth * i as f64 } else { momentum };
-                        if let Some(sum) = row[i].momentum_mut()[c].value_mut() {
-                            *sum += momentum * value;
-                        }
-                        if with_force && let Some(sum) = row[i].force_mut()[c].value_mut() {
-                            *sum += along * slope + across * value;
+                        *row[i].momentum_mut()[c].value_mut() += momentum * value;
+                        if with_force {
+                            *row[i].force_mut()[c].value_mut() += along * slope + across * value;
                         }
                     }
                 }
@@ -248,9 +275,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
                     let mass = parts.mass.value * outer[0];
                     let row = &mut self.masses[start..start + NODES];
                     for i in 0..NODES {
-                        if let Some(sum) = row[i].value_mut() {
-                            *sum += mass * weights.along[0][i];
-                        }
+                        *row[i].value_mut() += mass * weights.along[0][i];
                     }
                 }
             }
@@ -382,10 +407,13 @@ impl<S: Number, const D: usize, const NODES: usize> Work<f64> for JetToGrid<'_, 
             for p in 0..of.position.len() {
                 weights.find(&lattice, &of.position[p], &of.base[p]);
                 let node = of.node[p] - self.first;
-                for at in registers_of_directions::<R>() {
+                for at in registers_of_directions::<S, R>() {
                     let parts = self.find_parts(registers, (&of, p), at);
                     if at == 0 {
                         self.add_values(&parts, &weights, node);
+                    }
+                    if S::ORDER == 0 {
+                        continue;
                     }
                     let shift = Shift::load(registers, &of.position[p], lattice.per_cell, at);
                     let to = (node, at);

@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use simd_lanes::dispatch;
+use simd_lanes::dispatch_narrow;
 
 use crate::config::Config;
 use crate::number::Number;
@@ -28,23 +28,17 @@ impl<const D: usize> Lattice<D> {
         Self { origin: config.origin, cell: config.cell, per_cell: 1.0 / config.cell }
     }
 
-    /// The shape function of a particle along all axes, from the lowest node that it sees. `half` is half of its length, with GIMP.
+    /// The shape function of a particle along all axes, from the lowest node that it sees.
     #[inline(always)]
     pub(crate) fn axes<S: Number, const NODES: usize>(
         &self,
-        shape: Shape,
-        (position, half): (&[S; D], Option<&[S; D]>),
+        position: &[S; D],
         lowest: &[i32; D],
     ) -> [Axis<S>; D] {
         let mut axes = [Axis::empty(); D];
         for k in 0..D {
             let s = (position[k] - self.origin[k]) * self.per_cell;
-            match half {
-                Some(half) if NODES == Shape::Gimp.n_nodes() && shape == Shape::Gimp => {
-                    axes[k].set_gimp((s, half[k] * self.per_cell), lowest[k]);
-                }
-                _ => axes[k].set_b_spline::<NODES>(s, lowest[k]),
-            }
+            axes[k].set_b_spline::<NODES>(s, lowest[k]);
         }
         axes
     }
@@ -53,27 +47,16 @@ impl<const D: usize> Lattice<D> {
     pub(crate) fn find_lowest_nodes<S: Number>(
         &self,
         shape: Shape,
-        (positions, half_lengths): (&[[S; D]], &[[S; D]]),
+        positions: &[[S; D]],
         lowest: &mut [[i32; D]],
     ) {
         for_each_chunk(lowest, SHARE, &|chunk, lowest| {
             let share = chunk * SHARE..chunk * SHARE + lowest.len();
-            let positions = &positions[share.clone()];
-            let half_lengths = half_lengths.get(share).unwrap_or_default();
-            dispatch(
+            let positions = &positions[share];
+            dispatch_narrow(
                 #[inline(always)]
                 || {
-                    if shape == Shape::Gimp {
-                        for p in 0..lowest.len() {
-                            for k in 0..D {
-                                let half = half_lengths[p][k].value() * self.per_cell;
-                                let s = (positions[p][k].value() - self.origin[k]) * self.per_cell;
-                                lowest[p][k] = lowest_node(s, shape.reach(half));
-                            }
-                        }
-                        return;
-                    }
-                    let reach = shape.reach(0.0);
+                    let reach = shape.reach();
                     for p in 0..lowest.len() {
                         for k in 0..D {
                             let s = (positions[p][k].value() - self.origin[k]) * self.per_cell;

@@ -6,6 +6,7 @@ mod body;
 mod boundary;
 #[cfg(not(test))]
 mod compiled_points;
+#[cfg(not(test))]
 mod compiled_step;
 mod conditions;
 mod config;
@@ -15,7 +16,6 @@ mod fill;
 mod grid;
 mod grid_to_group;
 mod grid_to_jet;
-mod grid_to_particle;
 mod group;
 mod group_axis;
 mod group_to_grid;
@@ -31,12 +31,9 @@ mod parallel;
 mod particle_motion;
 mod particle_pass;
 mod particle_terms;
-mod particle_to_grid;
 mod particles;
-mod pass;
 mod points_in_lanes;
 mod record;
-mod reverse;
 mod shape;
 mod simulation;
 mod snapshot;
@@ -52,7 +49,7 @@ mod velocity_gradients;
 
 pub use body::Body;
 pub use boundary::{Boundary, BoundaryKind, Side};
-pub use config::{BulkViscosity, Config, Contact, Geometry, Transfer, UpdateOrder};
+pub use config::{BulkViscosity, Config, Contact, Geometry, Transfer};
 pub use error::{Error, Fault};
 pub use fill::Fill;
 pub use number::Number;

@@ -66,10 +66,6 @@ pub(crate) trait MaterialPoints<S>: std::fmt::Debug + Send + Sync {
     fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
     /// The same with the numbers themselves, to be written.
     fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool;
-    /// How many numbers of a particle's state a step may change: the first of them.
-    fn n_changing(&self, place: usize) -> usize;
-    /// Calls with a copy of every number that the material of all particles is made of; whether those are all.
-    fn show_constants(&mut self, visit: &mut dyn FnMut(&mut S)) -> bool;
 }
 
 /// A material with what it keeps of all particles of a body, one by one: for a material that looks at values.
@@ -285,21 +281,6 @@ where
         conditions.set(place, condition);
         self.material.visit_numbers(&mut self.states[place], visit)
     }
-
-    fn n_changing(&self, place: usize) -> usize {
-        n_changing(&self.material, self.states[place])
-    }
-
-    fn show_constants(&mut self, visit: &mut dyn FnMut(&mut S)) -> bool {
-        self.material.visit_constants(visit)
-    }
-}
-
-/// How many numbers of a state a step may change.
-pub(crate) fn n_changing<S: Real, M: Material<S>>(material: &M, mut state: M::State) -> usize {
-    let mut n = 0;
-    material.visit_changing(&mut state, |_| n += 1);
-    n
 }
 
 impl<M: Material<S>, S: Number> std::fmt::Debug for Points<M, S> {

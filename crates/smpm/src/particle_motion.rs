@@ -9,10 +9,18 @@ use crate::config::{Config, Geometry, Transfer};
 use crate::lattice::Lattice;
 use crate::number::Number;
 use crate::particles::Chunk;
-use crate::pass::Pass;
 use crate::shape::Shape;
 
 // Loops, not closures: those are not always inlined, and then not compiled for the widest registers.
+
+/// What a pass over the particles does; a step has one of each, in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// Velocities from the nodes, and displacements. Particles stay in place, since their stress comes from the same place.
+    Velocity,
+    /// Velocity gradients from the nodes, the stress from them; then the particles move.
+    StressAndMove,
+}
 
 /// Grid-to-particle of a configuration in a pass.
 #[derive(Debug, Clone, Copy)]
@@ -24,12 +32,8 @@ pub(crate) struct GridToParticle<const D: usize> {
     pub(crate) axisymmetric: bool,
     /// Whether with APIC's matrix.
     pub(crate) affine: bool,
-    /// Whether with velocities themselves (PIC), not their changes alone.
-    pub(crate) with_pic: bool,
-    /// The share of FLIP, and that of PIC.
-    pub(crate) shares: (f64, f64),
-    /// `1/d` of `D_p = d I` where the shape function has such (B-splines); none where the gradient serves.
-    pub(crate) inverse_inertia: Option<f64>,
+    /// `1/d` of `D_p = d I`.
+    pub(crate) inverse_inertia: f64,
 }
 
 /// Sums over the nodes that a particle sees.
@@ -62,7 +66,6 @@ impl<S: Number, const D: usize> Sums<S, D> {
 
 impl<const D: usize> GridToParticle<D> {
     pub(crate) fn of(lattice: Lattice<D>, config: &Config<D>, pass: Pass, dt: f64) -> Self {
-        let shares = config.transfer.shares(dt);
         let square = config.cell * config.cell;
         Self {
             lattice,
@@ -71,48 +74,34 @@ impl<const D: usize> GridToParticle<D> {
             pass,
             axisymmetric: config.geometry == Geometry::Axisymmetric,
             affine: config.transfer == Transfer::Apic,
-            with_pic: shares.1 != 0.0,
-            shares,
             inverse_inertia: match config.shape {
-                Shape::QuadraticBSpline => Some(4.0 / square),
-                Shape::CubicBSpline => Some(3.0 / square),
-                Shape::Linear | Shape::Gimp => None,
+                Shape::QuadraticBSpline => 4.0 / square,
+                Shape::CubicBSpline => 3.0 / square,
             },
         }
     }
 
+    /// Updates a particle from its sums over nodes.
     #[inline(always)]
-    pub(crate) fn apply<S: Number, const NODES: usize>(
+    pub(crate) fn apply<S: Number>(
         &self,
         chunk: &mut Chunk<'_, S, D>,
         p: usize,
         sums: &Sums<S, D>,
         velocity_gradient: &mut [[S; 3]; 3],
     ) {
-        if self.pass.updates_stress() {
+        if self.pass == Pass::StressAndMove {
             self.find_gradient(chunk, p, sums, velocity_gradient);
-            if NODES == Shape::Gimp.n_nodes() && self.shape == Shape::Gimp {
-                for k in 0..D {
-                    let length = chunk.half_length[p][k];
-                    chunk.stretched[p][k] = length + length * velocity_gradient[k][k] * self.dt;
-                }
-            }
-        }
-        if !self.pass.updates_velocity() {
             return;
         }
-        self.find_velocity(&mut chunk.velocity[p], sums);
+        for k in 0..D {
+            // APIC's velocity is `sum_i v_i N_i`, FLIP's `v_p + sum_i dv_i N_i`.
+            let velocity = &mut chunk.velocity[p][k];
+            *velocity = if self.affine { sums.velocity[k] } else { *velocity + sums.change[k] };
+            chunk.displacement[p][k] = sums.velocity[k] * self.dt;
+        }
         if self.affine {
             chunk.affine[p] = self.matrix(sums, &chunk.base[p], &chunk.position[p]);
-        }
-        // Where the stress is still to come from the same place, the particle stays until then.
-        for k in 0..D {
-            let by = sums.velocity[k] * self.dt;
-            if self.pass.moves() {
-                chunk.position[p][k] = chunk.position[p][k] + by;
-            } else {
-                chunk.displacement[p][k] = by;
-            }
         }
     }
 
@@ -135,35 +124,16 @@ impl<const D: usize> GridToParticle<D> {
         }
     }
 
-    /// FLIP's `v_p + sum_i dv_i N_i`, PIC's `sum_i v_i N_i`, or both by their shares.
-    #[inline(always)]
-    fn find_velocity<S: Number>(&self, velocity: &mut [S; D], sums: &Sums<S, D>) {
-        let (flip, pic) = self.shares;
-        for k in 0..D {
-            let new = sums.velocity[k];
-            if !self.with_pic {
-                velocity[k] = velocity[k] + sums.change[k];
-            } else if flip == 0.0 {
-                velocity[k] = new;
-            } else {
-                velocity[k] = (velocity[k] + sums.change[k]) * flip + new * pic;
-            }
-        }
-    }
-
-    /// APIC's matrix `C = sum_i v_i (x_i - x_p)^T N_i D_p^-1` (Jiang et al. 2015, eq 8); for shape functions of the hat
-    /// `sum_i v_i grad N_i^T`, to which it comes down there.
+    /// APIC's matrix `C = sum_i v_i (x_i - x_p)^T N_i D_p^-1` (Jiang et al. 2015, eq 8).
     #[inline(always)]
     fn matrix<S: Number>(&self, sums: &Sums<S, D>, base: &[i32; D], x: &[S; D]) -> [[S; D]; D] {
-        let Lattice { origin, cell, per_cell } = self.lattice;
+        let Lattice { origin, cell, .. } = self.lattice;
         let mut matrix = sums.moment;
         for l in 0..D {
             let arm = -(x[l] - origin[l]) + f64::from(base[l]) * cell;
             for k in 0..D {
-                matrix[k][l] = match self.inverse_inertia {
-                    None => sums.gradient[l][k] * per_cell,
-                    Some(inverse) => (sums.velocity[k] * arm + sums.moment[k][l] * cell) * inverse,
-                };
+                let moment = sums.velocity[k] * arm + sums.moment[k][l] * cell;
+                matrix[k][l] = moment * self.inverse_inertia;
             }
         }
         matrix

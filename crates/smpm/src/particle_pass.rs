@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use simd_lanes::dispatch;
+use simd_lanes::dispatch_narrow;
 
 use crate::body::Body;
 use crate::conditions::Columns;
@@ -14,9 +14,8 @@ use crate::grid::Grid;
 use crate::material_points::{MaterialUpdate, Strain};
 use crate::number::Number;
 use crate::parallel::join;
-use crate::particle_motion::GridToParticle;
+use crate::particle_motion::{GridToParticle, Pass};
 use crate::particles::{BATCH, Chunk};
-use crate::pass::Pass;
 use crate::summary::{Summary, look};
 use crate::transfers::grid_to_particle;
 use crate::velocity_gradients::VelocityGradients;
@@ -92,18 +91,17 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
             let batch = begin..share.len().min(begin + BATCH);
             let mut chunk = share.part(batch.clone());
             grid_to_particle(&self.transfer, self.grid, &mut chunk, &mut velocity_gradients);
-            if self.pass.updates_stress() {
-                let (range, numbers) = (batch.clone(), chunk.number);
-                let fault = points.update(range, self.strain, &velocity_gradients, numbers);
-                if let Some((number, fault)) = fault {
-                    summary.fail(number, fault);
-                }
+            if self.pass == Pass::Velocity {
+                continue;
             }
-            if self.pass.moves() {
-                let conditions = points.conditions().part(batch.clone());
-                self.move_batch(&mut chunk, &conditions, &mut summary);
-                points.add_energies(batch, chunk.reference_volume, &mut summary.internal);
+            let (range, numbers) = (batch.clone(), chunk.number);
+            let fault = points.update(range, self.strain, &velocity_gradients, numbers);
+            if let Some((number, fault)) = fault {
+                summary.fail(number, fault);
             }
+            let conditions = points.conditions().part(batch.clone());
+            self.move_batch(&mut chunk, &conditions, &mut summary);
+            points.add_energies(batch, chunk.reference_volume, &mut summary.internal);
         }
         summary
     }
@@ -116,11 +114,11 @@ impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
         conditions: &Columns<'_, S>,
         summary: &mut Summary<D>,
     ) {
-        let is_everywhere = dispatch(
+        let is_everywhere = dispatch_narrow(
             #[inline(always)]
             || {
                 look(chunk, conditions, self.config, summary);
-                chunk.advance(self.pass, self.config)
+                chunk.advance(self.config)
             },
         );
         if !is_everywhere {

@@ -8,12 +8,10 @@
 use std::ops::Range;
 
 use crate::binning::{Binning, permute};
-use crate::config::{Config, Geometry, Transfer, UpdateOrder};
+use crate::config::{Config, Geometry, Transfer};
 use crate::error::Fault;
 use crate::fill::Fill;
 use crate::number::{Number, is_finite};
-use crate::pass::Pass;
-use crate::shape::Shape;
 
 /// Particles that go through a pass together: what nodes and material make of them stays in the nearest cache.
 pub(crate) const BATCH: usize = 64;
@@ -24,14 +22,10 @@ pub(crate) const BATCH: usize = 64;
 pub(crate) struct Particles<S, const D: usize> {
     pub(crate) position: Vec<[S; D]>,
     pub(crate) velocity: Vec<[S; D]>,
-    /// By how much the step moves it, where it does not move at once.
+    /// By how much the step moves it at its end.
     pub(crate) displacement: Vec<[S; D]>,
     /// APIC's matrix.
     pub(crate) affine: Vec<[[S; D]; D]>,
-    /// Half its length along each axis (length), with GIMP.
-    pub(crate) half_length: Vec<[S; D]>,
-    /// The same at the end of the step.
-    pub(crate) stretched: Vec<[S; D]>,
     pub(crate) mass: Vec<S>,
     /// Its volume in the reference state; per radian where axisymmetric.
     pub(crate) reference_volume: Vec<f64>,
@@ -46,8 +40,6 @@ pub(crate) struct Chunk<'a, S, const D: usize> {
     pub(crate) velocity: &'a mut [[S; D]],
     pub(crate) displacement: &'a mut [[S; D]],
     pub(crate) affine: &'a mut [[[S; D]; D]],
-    pub(crate) half_length: &'a mut [[S; D]],
-    pub(crate) stretched: &'a mut [[S; D]],
     pub(crate) mass: &'a [S],
     pub(crate) reference_volume: &'a [f64],
     pub(crate) number: &'a [u32],
@@ -92,14 +84,14 @@ impl<S, const D: usize> Chunk<'_, S, D> {
     /// The first so many particles, and the others.
     pub(crate) fn halves(&mut self, middle: usize) -> (Chunk<'_, S, D>, Chunk<'_, S, D>) {
         halves!(self at middle:
-            position, velocity, displacement, affine, half_length, stretched;
+            position, velocity, displacement, affine;
             mass, reference_volume, number, base, node)
     }
 
     /// A range of the particles.
     pub(crate) fn part(&mut self, range: Range<usize>) -> Chunk<'_, S, D> {
         part!(self in range:
-            position, velocity, displacement, affine, half_length, stretched;
+            position, velocity, displacement, affine;
             mass, reference_volume, number, base, node)
     }
 }
@@ -111,30 +103,18 @@ impl<S: Number, const D: usize> Particles<S, D> {
         Self {
             position: fill.positions.iter().map(|place| place.map(S::constant)).collect(),
             velocity: vec![velocity.map(S::constant); n],
-            displacement: vec![],
+            displacement: vec![[S::constant(0.0); D]; n],
             affine: vec![],
-            half_length: vec![fill.spacing.map(|length| S::constant(0.5 * length)); n],
-            stretched: vec![],
             mass: (0..n).map(|particle| density(particle) * volume).collect(),
             reference_volume: vec![volume; n],
             number: (0_u32..).take(n).collect(),
         }
     }
 
-    /// Makes the columns that steps of a configuration need, and leaves out those that they do not.
+    /// Makes the column that steps with APIC need.
     pub(crate) fn prepare(&mut self, config: &Config<D>) {
-        let (n, zero) = (self.position.len(), S::constant(0.0));
-        let Self { displacement, affine, half_length, stretched, .. } = self;
-        if config.update_order == UpdateOrder::ModifiedStressLast {
-            displacement.resize(n, [zero; D]);
-        }
         if config.transfer == Transfer::Apic {
-            affine.resize(n, [[zero; D]; D]);
-        }
-        if config.shape == Shape::Gimp {
-            stretched.clone_from(half_length);
-        } else {
-            *half_length = vec![];
+            self.affine.resize(self.position.len(), [[S::constant(0.0); D]; D]);
         }
     }
 
@@ -145,8 +125,6 @@ impl<S: Number, const D: usize> Particles<S, D> {
             velocity: &mut self.velocity,
             displacement: &mut self.displacement,
             affine: &mut self.affine,
-            half_length: &mut self.half_length,
-            stretched: &mut self.stretched,
             mass: &self.mass,
             reference_volume: &self.reference_volume,
             number: &self.number,
@@ -161,8 +139,6 @@ impl<S: Number, const D: usize> Particles<S, D> {
         permute(&mut self.velocity, order, done);
         permute(&mut self.displacement, order, done);
         permute(&mut self.affine, order, done);
-        permute(&mut self.half_length, order, done);
-        permute(&mut self.stretched, order, done);
         permute(&mut self.mass, order, done);
         permute(&mut self.reference_volume, order, done);
         permute(&mut self.number, order, done);
@@ -170,15 +146,13 @@ impl<S: Number, const D: usize> Particles<S, D> {
 }
 
 impl<S: Number, const D: usize> Chunk<'_, S, D> {
-    /// What is left to do at the end of a step: `x += dt sum_i v_i N_i`; with GIMP the particle's lengths follow the strain
-    /// (Chen et al. 2019, eq 8). Returns whether all of them are then inside the limits; [`Self::check`] names those that are not.
+    /// Moves the particles: `x += dt sum_i v_i N_i`. Returns whether all of them are then inside the limits; [`Self::check`]
+    /// names those that are not.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, pass: Pass, config: &Config<D>) -> bool {
-        if !pass.updates_velocity() {
-            for (x, by) in self.position.iter_mut().zip(&*self.displacement) {
-                for k in 0..D {
-                    x[k] = x[k] + by[k];
-                }
+    pub(crate) fn advance(&mut self, config: &Config<D>) -> bool {
+        for (x, by) in self.position.iter_mut().zip(&*self.displacement) {
+            for k in 0..D {
+                x[k] = x[k] + by[k];
             }
         }
         let mut are_finite = true;
@@ -193,12 +167,6 @@ impl<S: Number, const D: usize> Chunk<'_, S, D> {
                 is_allowed &= x[0].value() > 0.0;
             }
         }
-        if config.shape == Shape::Gimp {
-            self.half_length.copy_from_slice(self.stretched);
-            for length in self.half_length.as_flattened() {
-                is_allowed &= is_length(length.value() / config.cell);
-            }
-        }
         are_finite && is_allowed
     }
 
@@ -211,21 +179,8 @@ impl<S: Number, const D: usize> Chunk<'_, S, D> {
         if config.geometry == Geometry::Axisymmetric && x[0].value() <= 0.0 {
             return Err(Fault { quantity: "radius", value: x[0].value(), must: "above 0" });
         }
-        if config.shape == Shape::Gimp {
-            let lengths = self.half_length[i].iter().map(|length| length.value() / config.cell);
-            if let Some(value) = lengths.into_iter().find(|&value| !is_length(value)) {
-                let must = "above 0 and at most 1: the grid is too fine for the stretch";
-                return Err(Fault { quantity: "half length in cells", value, must });
-            }
-        }
         Ok(())
     }
-}
-
-/// Whether half a length, in cells, is one that GIMP can do with.
-#[inline(always)]
-fn is_length(half: f64) -> bool {
-    half > 0.0 && half <= 1.0
 }
 
 /// What snapshots hold of a particle besides its material; columns that the configuration leaves out are `None`.
@@ -233,7 +188,6 @@ pub(crate) struct Row<S, const D: usize> {
     position: [S; D],
     velocity: [S; D],
     affine: Option<[[S; D]; D]>,
-    half_length: Option<[S; D]>,
     mass: S,
     reference_volume: f64,
 }
@@ -244,7 +198,6 @@ impl<S: Number, const D: usize> Row<S, D> {
             position: particles.position[place],
             velocity: particles.velocity[place],
             affine: particles.affine.get(place).copied(),
-            half_length: particles.half_length.get(place).copied(),
             mass: particles.mass[place],
             reference_volume: particles.reference_volume[place],
         }
@@ -256,9 +209,6 @@ impl<S: Number, const D: usize> Row<S, D> {
         if let Some(matrix) = self.affine {
             particles.affine[place] = matrix;
         }
-        if let Some(lengths) = self.half_length {
-            particles.half_length[place] = lengths;
-        }
         particles.mass[place] = self.mass;
         particles.reference_volume[place] = self.reference_volume;
     }
@@ -267,8 +217,7 @@ impl<S: Number, const D: usize> Row<S, D> {
         let mut volume = S::constant(self.reference_volume);
         let affine = self.affine.iter_mut().flat_map(|matrix| matrix.as_flattened_mut());
         let points = self.position.iter_mut().chain(&mut self.velocity).chain(affine);
-        let lengths = self.half_length.iter_mut().flatten();
-        points.chain(lengths).chain([&mut self.mass, &mut volume]).for_each(visit);
+        points.chain([&mut self.mass, &mut volume]).for_each(visit);
         self.reference_volume = volume.value();
     }
 }

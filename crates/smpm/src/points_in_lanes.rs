@@ -18,7 +18,7 @@ use crate::conditions::{Columns, ColumnsMut, Condition, Conditions};
 use crate::error::Fault;
 use crate::material::{LocalResponse, LocalState, Material, MaterialFamily, Observed};
 use crate::material_points::{
-    Halves, MaterialPoints, MaterialUpdate, Next, Strain, keep_lowest, n_changing, next,
+    Halves, MaterialPoints, MaterialUpdate, Next, Strain, keep_lowest, next,
 };
 use crate::summary::Sums;
 use crate::tensor::in_plane;
@@ -397,14 +397,6 @@ where
         let is_all = self.material.visit_numbers(&mut state, visit);
         self.layout.store(&self.material, &mut self.states, (place, state));
         is_all
-    }
-
-    fn n_changing(&self, place: usize) -> usize {
-        n_changing(&self.material, self.state(place))
-    }
-
-    fn show_constants(&mut self, visit: &mut dyn FnMut(&mut f64)) -> bool {
-        self.material.visit_constants(visit)
     }
 }
 

@@ -13,16 +13,10 @@ use crate::tile_size::{MOST_NODES, block_edge};
 ///
 /// | name | nodes per axis | smooth | note |
 /// |---|---|---|---|
-/// | `Linear` | 2 | continuous | the paper's; its gradient jumps where a particle crosses a cell |
-/// | `Gimp` | 4 | once | the particle has a size, which the flow stretches (Bardenhagen & Kober 2004; Chen et al. 2019, eq 8) |
 /// | `QuadraticBSpline` | 3 | once | Steffen, Kirby & Berzins 2008 |
 /// | `CubicBSpline` | 4 | twice | second derivatives of a run stay smooth where particles cross cells |
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// The hat.
-    Linear,
-    /// The hat averaged over the particle's length along each axis.
-    Gimp,
     /// Quadratic B-spline.
     QuadraticBSpline,
     /// Cubic B-spline.
@@ -40,19 +34,15 @@ impl Shape {
     /// Nodes that a particle sees along an axis. What loops over nodes takes it as a constant, so that the loops unroll.
     pub(crate) const fn n_nodes(self) -> usize {
         match self {
-            Self::Linear => 2,
             Self::QuadraticBSpline => 3,
-            Self::Gimp | Self::CubicBSpline => 4,
+            Self::CubicBSpline => 4,
         }
     }
 
-    /// How far below its place, in cells, a particle looks for its lowest node, and how many nodes below the one there that is. With
-    /// GIMP, which sees as far as the particle is `half` long, in cells too.
+    /// How far below its place, in cells, a particle looks for its lowest node, and how many nodes below the one there that is.
     #[inline(always)]
-    pub(crate) fn reach(self, half: f64) -> (f64, i32) {
+    pub(crate) fn reach(self) -> (f64, i32) {
         match self {
-            Self::Linear => (0.0, 0),
-            Self::Gimp => (half, 0),
             Self::QuadraticBSpline => (0.5, 0),
             Self::CubicBSpline => (0.0, 1),
         }
@@ -85,22 +75,14 @@ impl<S: Scalar> Axis<S> {
         Self { value: zeros, slope: zeros }
     }
 
-    /// The B-spline over `NODES` nodes, the hat over two, of a particle at the place `s` (in cells), which sees `lowest`
+    /// The B-spline over `NODES` nodes of a particle at the place `s` (in cells), which sees `lowest`
     /// as its lowest node. Only what belongs to these nodes is written.
     #[inline(always)]
     pub(crate) fn set_b_spline<const NODES: usize>(&mut self, s: S, lowest: i32) {
         match NODES {
-            2 => self.set_hat(s - f64::from(lowest)),
             3 => self.set_quadratic(s - f64::from(lowest)),
             _ => self.set_cubic(s - f64::from(lowest + 1)),
         }
-    }
-
-    /// At `f` from 0 to 1 behind the lowest node.
-    #[inline(always)]
-    fn set_hat(&mut self, f: S) {
-        (self.value[0], self.value[1]) = (-f + 1.0, f);
-        (self.slope[0], self.slope[1]) = (S::constant(-1.0), S::constant(1.0));
     }
 
     /// At `f` from 1/2 to 3/2 behind the lowest node.
@@ -127,45 +109,6 @@ impl<S: Scalar> Axis<S> {
         self.slope[1] = f2 * 1.5 - f * 2.0;
         self.slope[2] = -(r2 * 1.5 - rest * 2.0);
         self.slope[3] = f2 * 0.5;
-    }
-
-    /// `(F(d + l) - F(d - l))/(2 l)` with `F` the integral of the hat, `d` the distance from the node and `l` the half
-    /// length of the particle in cells.
-    #[inline(always)]
-    pub(crate) fn set_gimp(&mut self, (s, half): (S, S), lowest: i32) {
-        let inverse = half.recip() * 0.5;
-        for (k, node) in (lowest..).take(Shape::Gimp.n_nodes()).enumerate() {
-            let d = s - f64::from(node);
-            let (low, high) = (d - half, d + half);
-            self.value[k] = (hat_integral(high) - hat_integral(low)) * inverse;
-            self.slope[k] = (hat(high) - hat(low)) * inverse;
-        }
-    }
-}
-
-#[inline(always)]
-fn hat<S: Scalar>(u: S) -> S {
-    let value = u.value();
-    if value.abs() >= 1.0 {
-        S::constant(0.0)
-    } else if value < 0.0 {
-        u + 1.0
-    } else {
-        -u + 1.0
-    }
-}
-
-#[inline(always)]
-fn hat_integral<S: Scalar>(u: S) -> S {
-    let value = u.value();
-    if value <= -1.0 {
-        S::constant(0.0)
-    } else if value >= 1.0 {
-        S::constant(1.0)
-    } else if value < 0.0 {
-        (u + 1.0).squared() * 0.5
-    } else {
-        -(-u + 1.0).squared() * 0.5 + 1.0
     }
 }
 
@@ -208,24 +151,22 @@ mod tests {
     use super::*;
     use perturbation_moments::Jet;
 
-    fn axis<S: Scalar>(shape: Shape, s: S, half: f64) -> (i32, Axis<S>) {
-        let (lowest, mut axis) = (lowest_node(s.value(), shape.reach(half)), Axis::empty());
+    fn axis<S: Scalar>(shape: Shape, s: S) -> (i32, Axis<S>) {
+        let (lowest, mut axis) = (lowest_node(s.value(), shape.reach()), Axis::empty());
         match shape {
-            Shape::Linear => axis.set_b_spline::<2>(s, lowest),
             Shape::QuadraticBSpline => axis.set_b_spline::<3>(s, lowest),
             Shape::CubicBSpline => axis.set_b_spline::<4>(s, lowest),
-            Shape::Gimp => axis.set_gimp((s, S::constant(half)), lowest),
         }
         (lowest, axis)
     }
 
     #[test]
     fn shape_functions_part_unity_reproduce_a_line_and_have_their_slopes() {
-        for shape in [Shape::Linear, Shape::Gimp, Shape::QuadraticBSpline, Shape::CubicBSpline] {
+        for shape in [Shape::QuadraticBSpline, Shape::CubicBSpline] {
             for step in 0..400 {
                 let s = 0.01 * f64::from(step) - 1.7;
-                let (half, delta) = (0.3, 1e-6);
-                let (lowest, here) = axis(shape, s, half);
+                let delta = 1e-6;
+                let (lowest, here) = axis(shape, s);
                 let (mut sum, mut slopes, mut place) = (0.0, 0.0, 0.0);
                 for (k, node) in (lowest..).take(shape.n_nodes()).enumerate() {
                     sum += here.value[k];
@@ -242,16 +183,16 @@ mod tests {
                     "{shape:?}: a linear field does not come back at {s}"
                 );
                 let ((over, above), (under, below)) =
-                    (axis(shape, s + delta, half), axis(shape, s - delta, half));
+                    (axis(shape, s + delta), axis(shape, s - delta));
                 if over == lowest && under == lowest {
                     for k in 0..shape.n_nodes() {
                         let slope = (above.value[k] - below.value[k]) / (2.0 * delta);
-                        // The difference errs by its roundoff, 1e-10, and at a kink of the hat by delta.
+                        // Roundoff of the difference, 1e-10, and where a second derivative jumps delta.
                         let error = (slope - here.slope[k]).abs();
                         assert!(error < 1e-5, "{shape:?}: slope {k} at {s}");
                     }
                 }
-                let (_, jet) = axis(shape, Jet::variable(s, 0), half);
+                let (_, jet) = axis(shape, Jet::variable(s, 0));
                 for k in 0..shape.n_nodes() {
                     let error = (jet.value[k].first[0] - here.slope[k]).abs();
                     assert!(error < 1e-12, "{shape:?} at {s}");

@@ -7,6 +7,7 @@ use crate::contact::Surface;
 use crate::grid::Grid;
 use crate::number::Number;
 use crate::particles::Particles;
+use crate::shape::Shape;
 use crate::shape::{Axis, outer};
 use crate::tile_size::block_edge;
 
@@ -22,15 +23,13 @@ pub(crate) fn sum_surfaces<S: Number, const D: usize>(
     let axisymmetric = config.geometry == Geometry::Axisymmetric;
     grid.sum_surfaces_in_blocks(|slot, first, blocks| {
         for body in bodies {
-            let Particles { position, half_length, reference_volume, .. } = &body.particles;
+            let Particles { position, reference_volume, .. } = &body.particles;
             let conditions = body.points.conditions();
             let Binning { bases, nodes, .. } = &body.binning;
             for p in body.binning.runs_of(slot).flatten() {
-                let (place, base) = ((&position[p], half_length.get(p)), &bases[p]);
-                let axes = match config.shape.n_nodes() {
-                    2 => lattice.axes::<S, 2>(config.shape, place, base),
-                    3 => lattice.axes::<S, 3>(config.shape, place, base),
-                    _ => lattice.axes::<S, 4>(config.shape, place, base),
+                let axes = match config.shape {
+                    Shape::QuadraticBSpline => lattice.axes::<S, 3>(&position[p], &bases[p]),
+                    Shape::CubicBSpline => lattice.axes::<S, 4>(&position[p], &bases[p]),
                 };
                 let mut volume = conditions.volume[p] * (reference_volume[p] * per_cell);
                 if axisymmetric {

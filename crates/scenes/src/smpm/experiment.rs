@@ -62,19 +62,6 @@ impl<const D: usize> SceneExperiment<D> {
         &self.fields
     }
 
-    /// The modes of all fields at the particle of a body that starts nearest to a point: a direction in the space of the
-    /// coefficients, along which the constants there change most. Zero for fields of other materials.
-    #[must_use]
-    pub fn modes_near(&self, body: usize, point: &[f64; D]) -> Vec<f64> {
-        let distance = |place: &[f64; D]| -> f64 {
-            place.iter().zip(point).map(|(x, y)| (x - y) * (x - y)).sum()
-        };
-        let places = self.fills.get(body).map_or(&[][..], |fill| &fill.positions);
-        let order = |a: &usize, b: &usize| distance(&places[*a]).total_cmp(&distance(&places[*b]));
-        let particle = (0..places.len()).min_by(order).unwrap_or(0);
-        self.fields.iter().flat_map(|field| field.modes_of(body, particle)).collect()
-    }
-
     /// The constants that vary, of every particle of all bodies in order: name and values, not a number outside of the material.
     pub(super) fn constants(&self, coefficients: &[f64]) -> Vec<(String, Vec<f64>)> {
         let mut columns = Vec::new();

@@ -6,7 +6,7 @@ use perturbation_moments::{Marginal, RandomVector};
 use serde_json::Value;
 use smpm::{
     Boundary, BoundaryKind, BulkViscosity, Config, Contact, Fill, Gauge, Geometry, Place, Plan,
-    Quantity, Shape, Side, Transfer, UpdateOrder,
+    Quantity, Shape, Side, Transfer,
 };
 use uq_estimators::{Error as SamplingError, SobolPoints};
 
@@ -15,8 +15,8 @@ use super::material_scene::{MaterialScene, Numbers, Part};
 use super::method_scene::MethodScene;
 use super::region::BodyRegion;
 use super::scene::{
-    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, OrderScene, ShapeScene,
-    SideScene, SmpmScene, TransferScene,
+    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, ShapeScene, SideScene,
+    SmpmScene, TransferScene,
 };
 use super::unknown_name::unknown;
 use crate::nearest::nearest;
@@ -142,21 +142,12 @@ impl SmpmScene {
         });
         Ok(Config {
             shape: scheme.shape.map_or(usual.shape, |shape| match shape {
-                ShapeScene::Linear => Shape::Linear,
-                ShapeScene::Gimp => Shape::Gimp,
                 ShapeScene::QuadraticBSpline => Shape::QuadraticBSpline,
                 ShapeScene::CubicBSpline => Shape::CubicBSpline,
             }),
-            update_order: scheme.update_order.map_or(usual.update_order, |order| match order {
-                OrderScene::StressFirst => UpdateOrder::StressFirst,
-                OrderScene::StressLast => UpdateOrder::StressLast,
-                OrderScene::ModifiedStressLast => UpdateOrder::ModifiedStressLast,
-            }),
             transfer: scheme.transfer.map_or(usual.transfer, |transfer| match transfer {
                 TransferScene::Apic => Transfer::Apic,
-                TransferScene::Flip { damping_time } => {
-                    Transfer::Flip { damping_time: damping_time.unwrap_or(f64::INFINITY) }
-                }
+                TransferScene::Flip {} => Transfer::Flip,
             }),
             viscosity,
             courant_number: scheme.courant_number.unwrap_or(usual.courant_number),

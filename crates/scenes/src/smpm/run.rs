@@ -370,9 +370,6 @@ fn method_words(method: MethodScene) -> String {
         MethodScene::Propagated => {
             "Mean and deviation by derivatives carried through one run".to_owned()
         }
-        MethodScene::Adjoint { .. } => {
-            "Centre and deviation by derivatives of one reversed run".to_owned()
-        }
         MethodScene::FiniteDifference { .. } => {
             "Mean and deviation by differences of whole runs".to_owned()
         }

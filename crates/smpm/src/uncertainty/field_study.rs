@@ -128,11 +128,7 @@ impl<'a, X: FieldExperiment<D>, const D: usize> FieldStudy<'a, X, D> {
         self.experiment.n_coefficients()
     }
 
-    pub(super) const fn experiment(&self) -> &X {
-        self.experiment
-    }
-
-    pub(super) fn check(&self, value: usize) -> Result<(), Error> {
+    fn check(&self, value: usize) -> Result<(), Error> {
         let expected = self.experiment.n_coefficients();
         if value == expected { Ok(()) } else { Err(Error::OtherCoefficients { value, expected }) }
     }

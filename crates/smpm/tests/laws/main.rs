@@ -3,7 +3,6 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
-mod adjoint;
 mod boundaries;
 mod contact;
 mod custom_field_experiment;

@@ -53,7 +53,7 @@ fn scene(scheme: Scheme, particle_velocity: f64) -> Result<SmpmScene, CaseError>
     scene.bodies[0].velocity = vec![-particle_velocity];
     if let Scheme::Default = scheme {
         scene.scheme.shape = Some(ShapeScene::QuadraticBSpline);
-        scene.scheme.transfer = Some(TransferScene::Flip { damping_time: None });
+        scene.scheme.transfer = Some(TransferScene::Flip {});
         scene.scheme.viscosity = Some(ViscosityScene { quadratic: 1.5, linear: 0.06 });
     }
     // The front is between five and six centimetres of the eight, in the material.

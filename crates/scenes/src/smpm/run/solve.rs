@@ -176,8 +176,7 @@ fn expanded<const D: usize, const N: usize>(
         | MethodScene::MonteCarlo { .. }
         | MethodScene::QuasiMonteCarlo { .. }
         | MethodScene::SobolIndices { .. }
-        | MethodScene::Multilevel(_)
-        | MethodScene::Adjoint { .. } => {
+        | MethodScene::Multilevel(_) => {
             fields.of_numbers(study)?;
             (table.each(|_, response| Ok(response))?, 0)
         }

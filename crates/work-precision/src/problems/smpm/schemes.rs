@@ -3,39 +3,27 @@
 use perturbation_moments::Moments;
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::{
-    OrderScene, SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
+    SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
 };
+use smpm::Simulation;
 use smpm::uncertainty::{Experiment, Study};
-use smpm::{Quantity, Simulation};
 
 use super::problems::{Problem, experiment};
 use crate::context::CaseError;
 use crate::stability::Work;
 
 /// Shape functions with their names.
-pub const SHAPES: [(ShapeScene, &str); 4] = [
-    (ShapeScene::Linear, "linear"),
-    (ShapeScene::Gimp, "GIMP"),
-    (ShapeScene::QuadraticBSpline, "quadratic"),
-    (ShapeScene::CubicBSpline, "cubic"),
-];
+pub const SHAPES: [(ShapeScene, &str); 2] =
+    [(ShapeScene::QuadraticBSpline, "quadratic"), (ShapeScene::CubicBSpline, "cubic")];
 
-/// Update orders with their names.
-pub const ORDERS: [(OrderScene, &str); 3] = [
-    (OrderScene::StressFirst, "USF"),
-    (OrderScene::StressLast, "USL"),
-    (OrderScene::ModifiedStressLast, "MUSL"),
-];
+/// FLIP.
+pub const FLIP: TransferScene = TransferScene::Flip {};
 
-/// FLIP alone.
-pub const FLIP: TransferScene = TransferScene::Flip { damping_time: None };
-
-/// A scheme: modified stress last, the bulk viscosity 1.5 and a linear one, the usual Courant number.
+/// A scheme: the bulk viscosity 1.5 and a linear one, the usual Courant number.
 #[must_use]
 pub fn scheme(shape: ShapeScene, transfer: TransferScene, linear: f64) -> SchemeScene {
     SchemeScene {
         shape: Some(shape),
-        update_order: None,
         transfer: Some(transfer),
         viscosity: Some(ViscosityScene { quadratic: 1.5, linear }),
         courant_number: None,
@@ -196,36 +184,5 @@ impl Explosion {
         work.spend(run.n_steps())?;
         outcome?;
         Ok(energy(&run) / before - 1.0)
-    }
-
-    /// The plastic strain of the plate at gauge H at each of some times, until the run ends; and why it did.
-    ///
-    /// # Errors
-    /// Those of a scene.
-    pub fn plastic_strain(
-        &self,
-        times: &[f64],
-    ) -> Result<(Vec<f64>, Option<smpm::Error>), CaseError> {
-        let mut run = at_centre::<2, 5>(&self.experiment, &self.scene)?;
-        let [x, y] = [4.5, 0.0];
-        let plate = &run.bodies()[1];
-        let distance = |place: &[f64; 2]| (place[0] - x).hypot(place[1] - y);
-        let least = plate.positions().iter().map(distance).fold(f64::INFINITY, f64::min);
-        let nearest: Vec<usize> = (0..plate.n_particles())
-            .filter(|&p| distance(&plate.positions()[p]) < least * (1.0 + 1e-9))
-            .collect();
-        let mut strains = Vec::new();
-        for &time in times {
-            if let Err(error) = run.advance_to(time) {
-                return Ok((strains, Some(error)));
-            }
-            let plate = &run.bodies()[1];
-            let mut sum = 0.0;
-            for &particle in &nearest {
-                sum += Quantity::PlasticStrain.of(plate, particle)?;
-            }
-            strains.push(sum / nearest.len() as f64);
-        }
-        Ok((strains, None))
     }
 }

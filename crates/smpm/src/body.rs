@@ -5,12 +5,12 @@ use std::sync::OnceLock;
 use crate::binning::Binning;
 use crate::error::{Error, finite, positive};
 use crate::fill::Fill;
-use crate::material::{LocalResponse, LocalState, Material, MaterialFamily, Observed, Varying};
 use crate::material_points::{MaterialPoints, Points};
 use crate::number::Number;
 use crate::particles::{Chunk, Particles, Row};
 use crate::points_in_lanes::PointsInLanes;
-use crate::tensor::Symmetric;
+use constitutive_models::tensor::Symmetric;
+use constitutive_models::{LocalResponse, LocalState, Material, MaterialFamily, Observed, Varying};
 
 /// A body: particles of one material, in `D` dimensions, with numbers `S`.
 ///
@@ -102,7 +102,7 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// Particles of a material, all with one velocity.
     ///
     /// # Errors
-    /// [`Error::EmptyBody`]; [`Error::NotPositive`] for a spacing or the density, [`Error::NotFinite`] for a place or a
+    /// [`Error::EmptyBody`]; [`Error::Parameter`] for a spacing or the density, [`Error::Parameter`] for a place or a
     /// velocity.
     pub fn new<M: Material<S> + 'static>(
         material: M,
@@ -130,7 +130,7 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// let graded = |_: usize, x: &[f64; 2]| {
     ///     let young_modulus = 1.0 + 0.5 * x[0];
     ///     let parameters = LinearElasticParameters { density: 1.0, young_modulus, poisson_ratio: 0.3 };
-    ///     LinearElasticSolid::linear_elastic(parameters)
+    ///     Ok(LinearElasticSolid::linear_elastic(parameters)?)
     /// };
     /// let body = Body::varying(graded, &fill, [0.0; 2])?;
     /// assert_eq!(body.n_particles(), 100);
@@ -247,7 +247,7 @@ impl<S: Number, const D: usize> Body<S, D> {
     /// Gives every particle the velocity at its place.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for a velocity.
+    /// [`Error::Parameter`] for a velocity.
     pub fn set_velocities(
         &mut self,
         velocity: impl Fn(&[f64; D]) -> [f64; D],

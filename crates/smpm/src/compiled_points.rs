@@ -5,13 +5,13 @@ use std::any::Any;
 
 use perturbation_moments::Jet;
 
-use crate::material::{
+use crate::material_points::{MaterialPoints, Points};
+use crate::points_in_lanes::PointsInLanes;
+use constitutive_models::{
     ElasticBulk, ElasticShear, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, Material,
     MaterialFamily, MieGruneisen, NeoHookean, Solid, StiffenedGas, TensionCutOff, Varying,
     VonMises,
 };
-use crate::material_points::{MaterialPoints, Points};
-use crate::points_in_lanes::PointsInLanes;
 
 type Liquid<S> = Solid<MieGruneisen<S>, Fluid>;
 type CavitatingLiquid<S> = Solid<TensionCutOff<MieGruneisen<S>, S>, Fluid>;

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use crate::binning::permute_by;
 use crate::number::Number;
-use crate::tensor::Symmetric;
+use constitutive_models::tensor::Symmetric;
 
 /// What the material made of one particle.
 #[derive(Debug, Clone, Copy)]

@@ -26,7 +26,7 @@ impl<const D: usize> Fill<D> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a spacing, [`Error::NotFinite`] for a corner; [`Error::TooManyPlaces`] for a lattice of more than
+    /// [`Error::Parameter`] for a spacing, [`Error::Parameter`] for a corner; [`Error::TooManyPlaces`] for a lattice of more than
     /// [`Fill::MOST_PLACES`], inside or not.
     pub fn of(
         spacing: [f64; D],

@@ -13,11 +13,11 @@ use simd_lanes::{Mask, dispatch};
 use crate::binning::permute;
 use crate::conditions::{Columns, ColumnsMut, Condition, Conditions};
 use crate::config::BulkViscosity;
-use crate::error::Fault;
-use crate::material::{LocalResponse, LocalState, Material, Now, Observed};
 use crate::number::Number;
-use crate::tensor::{Symmetric, in_plane, volume_change};
 use crate::velocity_gradients::VelocityGradients;
+use constitutive_models::Fault;
+use constitutive_models::tensor::{Symmetric, in_plane, volume_change};
+use constitutive_models::{LocalResponse, LocalState, Material, Now, Observed};
 
 /// What a step does to the material of every particle.
 #[derive(Debug, Clone, Copy)]

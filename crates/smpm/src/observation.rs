@@ -10,7 +10,7 @@ use crate::error::{Error, finite};
 use crate::interpolation::linear;
 use crate::number::Number;
 use crate::simulation::Simulation;
-use crate::tensor::von_mises;
+use constitutive_models::tensor::von_mises;
 
 /// Names of the axes in those of quantities.
 const AXES: [&str; 3] = ["1", "2", "3"];
@@ -259,7 +259,7 @@ impl<const D: usize> Plan<D> {
     /// Finds the particles of every gauge in a simulation at its start.
     ///
     /// # Errors
-    /// [`Error::EmptyPlan`]; [`Error::NoSuchBody`], [`Error::NoSuchAxis`]; [`Error::NotFinite`] for a place or a time,
+    /// [`Error::EmptyPlan`]; [`Error::NoSuchBody`], [`Error::NoSuchAxis`]; [`Error::Parameter`] for a place or a time,
     /// [`Error::WindowOrder`]; [`Error::GaugeOutsideBody`] for a point farther from the nearest particle than half the
     /// diagonal of its box, [`Error::EmptyGauge`] for a region without particles.
     pub(crate) fn resolve<S: Number>(

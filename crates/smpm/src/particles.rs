@@ -9,9 +9,9 @@ use std::ops::Range;
 
 use crate::binning::{Binning, permute};
 use crate::config::{Config, Geometry, Transfer};
-use crate::error::Fault;
 use crate::fill::Fill;
 use crate::number::{Number, is_finite};
+use constitutive_models::Fault;
 
 /// Particles that go through a pass together: what nodes and material make of them stays in the nearest cache.
 pub(crate) const BATCH: usize = 64;

@@ -15,14 +15,14 @@ use simd_lanes::{Registers, SimdLevel, Work, dispatch};
 
 use crate::binning::permute_by;
 use crate::conditions::{Columns, ColumnsMut, Condition, Conditions};
-use crate::error::Fault;
-use crate::material::{LocalResponse, LocalState, Material, MaterialFamily, Observed};
 use crate::material_points::{
     Halves, MaterialPoints, MaterialUpdate, Next, Strain, keep_lowest, next,
 };
 use crate::summary::Sums;
-use crate::tensor::in_plane;
 use crate::velocity_gradients::VelocityGradients;
+use constitutive_models::Fault;
+use constitutive_models::tensor::in_plane;
+use constitutive_models::{LocalResponse, LocalState, Material, MaterialFamily, Observed};
 
 #[cfg(test)]
 mod tests;

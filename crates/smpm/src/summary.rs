@@ -7,9 +7,9 @@
 
 use crate::conditions::Columns;
 use crate::config::{BulkViscosity, Config};
-use crate::error::Fault;
 use crate::number::Number;
 use crate::particles::{BATCH, Chunk};
+use constitutive_models::Fault;
 
 /// What a pass has seen, of values.
 #[derive(Debug, Clone, Copy)]

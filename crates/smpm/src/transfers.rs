@@ -93,11 +93,11 @@ mod tests {
     use super::*;
     use crate::config::{Geometry, Transfer};
     use crate::fill::Fill;
-    use crate::material::{LinearElasticParameters, LinearElasticSolid};
     use crate::particle_motion::Pass;
     use crate::particles::BATCH;
     use crate::shape::Shape;
     use crate::tile_size::block_len;
+    use constitutive_models::{LinearElasticParameters, LinearElasticSolid};
 
     /// Numbers from 0 to 1 (Steele, Lea & Flood 2014).
     struct Draws(u64);

@@ -4,14 +4,14 @@ use simd_lanes::SimdLevel;
 
 use super::PointsInLanes;
 use crate::config::BulkViscosity;
-use crate::error::Fault;
-use crate::material::{
+use crate::material_points::{MaterialPoints, Points, Strain};
+use crate::velocity_gradients::VelocityGradients;
+use constitutive_models::Fault;
+use constitutive_models::{
     Detonation, Fluid, JohnsonCookDamage, Jwl, Material, MaterialFamily, MieGruneisen, NeoHookean,
     NeoHookeanParameters, Solid, TensionCutOff, Units, Varying, VonMises, VonMisesParameters,
     library,
 };
-use crate::material_points::{MaterialPoints, Points, Strain};
-use crate::velocity_gradients::VelocityGradients;
 
 const UNITS: Units = Units::CM_G_US;
 
@@ -113,7 +113,7 @@ fn steel_that_yields_melts_and_breaks() {
     let places: Vec<_> = (0..71).map(|_| [0.0; 3]).collect();
     let mut points = PointsInLanes::at_start(steel(), false, &places);
     let _ = driven(&mut points, 71, |particle, step| gradient(particle, step, false));
-    let share = |holds: &dyn Fn(crate::material::Observed<f64>) -> bool| {
+    let share = |holds: &dyn Fn(constitutive_models::Observed<f64>) -> bool| {
         (0..71).filter(|&place| holds(points.observe(place))).count()
     };
     let shares = [

@@ -180,7 +180,7 @@ impl<'a, X: FieldExperiment<D>, const D: usize> FieldStudy<'a, X, D> {
     /// each direction. A slope is wrong by half the step times the curvature. By response, then direction.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for the step; [`Error::OtherCoefficients`] for a direction of another length; those of the experiment
+    /// [`Error::Parameter`] for the step; [`Error::OtherCoefficients`] for a direction of another length; those of the experiment
     /// and of the runs.
     pub fn forward_differences(
         &self,

@@ -5,11 +5,11 @@ use perturbation_moments::{Jet, LANES, Moments, Scalar};
 use super::experiment::Experiment;
 use super::study::Study;
 use crate::error::Error;
-use crate::material::{LocalFlow, LocalState};
 use crate::observation::{Located, Quantity};
 use crate::record::Reader;
 use crate::simulation::Simulation;
-use crate::tensor::Symmetric;
+use constitutive_models::tensor::Symmetric;
+use constitutive_models::{LocalFlow, LocalState};
 
 /// Which of the formulas of Chen et al. (2019).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

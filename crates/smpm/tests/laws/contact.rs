@@ -2,8 +2,8 @@
 
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
-    Body, Boundary, BoundaryKind, BulkViscosity, Config, Contact, Error, Fill, Shape, Side,
-    Simulation,
+    Body, Boundary, BoundaryKind, BulkViscosity, Config, Contact, Error, Fill, ParameterError,
+    Shape, Side, Simulation,
 };
 
 const NO_VISCOSITY: BulkViscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };
@@ -148,5 +148,9 @@ fn a_coefficient_below_zero_is_refused() {
         [0.0; 2],
     );
     let error = Simulation::new(refused, vec![body.unwrap()]).unwrap_err();
-    assert!(matches!(error, Error::Negative { name: "friction coefficient", .. }), "{error}");
+    let is_refused = matches!(
+        error,
+        Error::Parameter(ParameterError::Negative { name: "friction coefficient", .. })
+    );
+    assert!(is_refused, "{error}");
 }

@@ -30,11 +30,11 @@ impl FieldExperiment<1> for Bar {
             }
             let young_modulus = exponent.exp() * 2.0;
             let (density, poisson_ratio) = (c(7.8), c(0.3));
-            LinearElasticSolid::linear_elastic(LinearElasticParameters {
+            Ok(LinearElasticSolid::linear_elastic(LinearElasticParameters {
                 density,
                 young_modulus,
                 poisson_ratio,
-            })
+            })?)
         };
         let fill = Fill::of([0.05], ([0.0], [4.0]), |_| true)?;
         let wall =

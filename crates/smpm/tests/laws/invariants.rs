@@ -5,7 +5,7 @@ use smpm::material::{LinearElasticParameters, LinearElasticSolid, Material, Now,
 use smpm::tensor::Symmetric;
 use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fault, Fill, Geometry, Number,
-    Shape, Side, Simulation, Transfer,
+    ParameterError, Shape, Side, Simulation, Transfer,
 };
 
 /// Hooke's law in the rate of deformation, with the stress turned with the spin.
@@ -372,7 +372,10 @@ fn what_cannot_be_is_refused_with_its_value() {
     let empty = Fill { positions: vec![], spacing: [0.1] };
     assert!(matches!(Body::new(rod(1.0), &empty, [0.0]), Err(Error::EmptyBody { .. })));
     let nan = Fill { positions: vec![[f64::NAN]], spacing: [0.1] };
-    assert!(matches!(Body::new(rod(1.0), &nan, [0.0]), Err(Error::NotFinite { .. })));
+    assert!(matches!(
+        Body::new(rod(1.0), &nan, [0.0]),
+        Err(Error::Parameter(ParameterError::NotFinite { .. }))
+    ));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::error::{Error, positive};
 /// A system of units by its length, mass and time in SI; temperature is in kelvin in all of them.
 ///
 /// ```
-/// use smpm::material::Units;
+/// use constitutive_models::Units;
 ///
 /// // Centimetre, gram, microsecond: stress in megabar.
 /// assert_eq!(Units::CM_G_US.stress(1e11), 1.0);

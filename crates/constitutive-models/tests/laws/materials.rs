@@ -1,13 +1,13 @@
 //! Jets through every material against differences, by every parameter.
 
-use perturbation_moments::{Jet, Scalar};
-use smpm::material::{
+use constitutive_models::tensor::{Symmetric, volume_change};
+use constitutive_models::{
     Detonation, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, LinearElasticParameters,
     LinearElasticSolid, Material, MieGruneisen, NeoHookean, NeoHookeanParameters, Now, Observed,
     Solid, StiffenedGas, StiffenedGasParameters, TensionCutOff, Units, VonMises,
     VonMisesParameters, library,
 };
-use smpm::tensor::{Symmetric, volume_change};
+use perturbation_moments::{Jet, Scalar};
 
 /// A number type that materials take.
 pub(super) trait Number: Scalar + std::fmt::Debug + Send + Sync {}

@@ -5,7 +5,7 @@ use simd_lanes::Mask;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, finite, not_negative, positive};
-use crate::material::{EquationFamily, Now, StrengthKind};
+use crate::{EquationFamily, Now, StrengthKind};
 
 parameters! {
     /// What a [`Jwl`] is made of.

@@ -1,8 +1,8 @@
 //! Equation 30 and Tables 6 to 8 of Chen et al. 2019 as printed, against what they must be (`docs/errata.md`).
 
+use constitutive_models::{Now, Strength, VonMises, VonMisesParameters, VonMisesState};
 use perturbation_moments::{Jet, Scalar};
 use serde_json::Value;
-use smpm::material::{Now, Strength, VonMises, VonMisesParameters, VonMisesState};
 
 /// Steel (MPa), with hardening strong enough that `3G/(3G + H)` is not one.
 const STEEL: VonMisesParameters<f64> = VonMisesParameters {
@@ -43,7 +43,7 @@ fn equation_30_holds_for_the_sum_of_the_components_and_for_none_of_them() {
     let state = deviator_after_random_flow_stress();
     assert!(state.overshoot.value > 0.0);
     let (deviator, equivalent) =
-        (state.deviator.matrix(), smpm::tensor::von_mises(&state.deviator).value);
+        (state.deviator.matrix(), constitutive_models::tensor::von_mises(&state.deviator).value);
     // d S_ij/d sigma_y of the step before, squared: D[S_ij]/D[sigma_y].
     let (mut sum, mut nearest) = (0.0, f64::INFINITY);
     for row in deviator {

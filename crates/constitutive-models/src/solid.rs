@@ -7,8 +7,8 @@ use super::{
     EquationOfState, LocalResponse, LocalState, Material, MaterialFamily, Now, Observed, Strength,
     StrengthFamily,
 };
+use crate::equation_of_state::at_least;
 use crate::error::{Error, Fault, positive};
-use crate::material::equation_of_state::at_least;
 use crate::tensor::Symmetric;
 
 /// A material by its equation of state and its strength, each checked when it was made.
@@ -219,7 +219,7 @@ impl<S: Scalar> LinearElasticSolid<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{Fluid, MieGruneisen, TensionCutOff, Units, library};
+    use crate::{Fluid, MieGruneisen, TensionCutOff, Units, library};
 
     /// A step that changes the volume along x alone.
     fn squeezed(before: f64, after: f64) -> Now<f64> {

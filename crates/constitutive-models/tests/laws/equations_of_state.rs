@@ -1,10 +1,10 @@
 //! Equations of state against closed forms: the Hugoniot, detonation, slow expansion.
 
-use perturbation_moments::responses::{MieGruneisen as FrozenPressure, MieGruneisenState};
-use perturbation_moments::{Jet, Real, Scalar};
-use smpm::material::{
+use constitutive_models::{
     Detonation, EquationOfState, Fluid, Jwl, Material, MieGruneisen, Now, Solid, library,
 };
+use perturbation_moments::responses::{MieGruneisen as FrozenPressure, MieGruneisenState};
+use perturbation_moments::{Jet, Real, Scalar};
 
 use super::materials::CGU;
 

@@ -4,8 +4,8 @@ use perturbation_moments::{Real, Scalar};
 
 use super::{Strength, StrengthKind};
 use crate::error::Fault;
-use crate::material::{Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
+use crate::{Now, Observed, StrengthFamily};
 
 /// A material that bears pressure only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

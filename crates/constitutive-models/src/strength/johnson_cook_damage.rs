@@ -5,8 +5,8 @@ use simd_lanes::Mask;
 
 use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthKind};
 use crate::error::{Error, Fault, finite, not_negative, positive};
-use crate::material::{LocalFlow, Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
+use crate::{LocalFlow, Now, Observed, StrengthFamily};
 
 parameters! {
     /// What a [`JohnsonCookDamage`] needs besides a flow stress.

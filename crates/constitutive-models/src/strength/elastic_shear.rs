@@ -4,8 +4,8 @@ use perturbation_moments::{Real, Scalar};
 
 use super::{Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, positive};
-use crate::material::{Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
+use crate::{Now, Observed, StrengthFamily};
 
 parameters! {
     /// What an [`ElasticShear`] is made of.

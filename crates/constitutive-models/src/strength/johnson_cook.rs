@@ -7,8 +7,8 @@ use super::johnson_cook_return::{LEAST_STRAIN, Return};
 use super::johnson_cook_state::JohnsonCookState;
 use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive, within};
-use crate::material::{LocalFlow, Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
+use crate::{LocalFlow, Now, Observed, StrengthFamily};
 
 parameters! {
     /// What a [`JohnsonCook`] is made of.
@@ -58,7 +58,7 @@ parameters! {
 /// $\varepsilon_p^n$ is not finite.
 ///
 /// Source: Johnson and Cook 1983; Chen et al. 2019, eq 11-20. The hardening of eq 19-20 is not constant here, and the
-/// paper's reference rate and heat are in [`library::steel_strength_as_published`](crate::material::library::steel_strength_as_published).
+/// paper's reference rate and heat are in [`library::steel_strength_as_published`](crate::library::steel_strength_as_published).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JohnsonCook<S> {
     parameters: JohnsonCookParameters<S>,

@@ -5,7 +5,7 @@ use simd_lanes::Mask;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, finite, not_negative, positive};
-use crate::material::{EquationFamily, StrengthKind};
+use crate::{EquationFamily, StrengthKind};
 
 parameters! {
     /// What a [`MieGruneisen`] is made of.
@@ -43,7 +43,7 @@ parameters! {
 /// Source: Chen et al. 2019, eq 10; Steinberg 1996 for the terms `S2`, `S3` and `a`.
 ///
 /// ```
-/// use smpm::material::{EquationOfState, MieGruneisen, Units, library};
+/// use constitutive_models::{EquationOfState, MieGruneisen, Units, library};
 ///
 /// let steel = MieGruneisen::new(library::steel_equation(Units::CM_G_US))?;
 /// // On the Hugoniot e = p x/2, so that p = a/(1 - b x/2): with u_p = 0.1 cm/us, p = rho_0 (C + S1 u_p) u_p.
@@ -52,7 +52,7 @@ parameters! {
 /// let line = steel.line(1.0 - x);
 /// let pressure: f64 = line.a / (1.0 - 0.5 * x * line.b);
 /// assert!((pressure - 7.83 * shock_velocity * 0.1).abs() < 1e-13);
-/// # Ok::<(), smpm::Error>(())
+/// # Ok::<(), constitutive_models::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MieGruneisen<S> {

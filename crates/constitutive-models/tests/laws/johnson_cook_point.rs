@@ -1,9 +1,9 @@
 //! A point of Johnson-Cook steel against an independent quadrature and the paper, with derivatives carried and frozen.
 
+use constitutive_models::tensor::von_mises;
+use constitutive_models::{JohnsonCook, JohnsonCookParameters, Now, Strength, Units, library};
 use perturbation_moments::responses::JohnsonCook as FrozenFlowStress;
 use perturbation_moments::{Jet, Scalar};
-use smpm::material::{JohnsonCook, JohnsonCookParameters, Now, Strength, Units, library};
-use smpm::tensor::von_mises;
 
 use super::materials::{CGU, Number};
 

@@ -4,7 +4,7 @@ use perturbation_moments::{Real, Scalar};
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, not_negative};
-use crate::material::{EquationFamily, Now, StrengthKind};
+use crate::{EquationFamily, Now, StrengthKind};
 
 /// An equation of state whose pressure does not fall below `-limit`: a liquid that cavitates.
 ///

@@ -11,8 +11,8 @@ mod von_mises;
 use perturbation_moments::{Real, Scalar, when};
 
 use crate::error::Fault;
-use crate::material::{LocalFlow, Now, Observed};
 use crate::tensor::Symmetric;
+use crate::{LocalFlow, Now, Observed};
 
 pub use elastic_shear::{ElasticShear, ElasticShearParameters};
 pub use fluid::Fluid;
@@ -102,7 +102,7 @@ pub trait Strength<S: Real>: std::fmt::Debug + Send + Sync {
     }
 
     /// Calls with every number that it is made of, with those that follow from others, always in the same order: what is written
-    /// there is the new number. [`Varying`](crate::material::Varying) needs it; false, the default, says that not all that may differ
+    /// there is the new number. [`Varying`](crate::Varying) needs it; false, the default, says that not all that may differ
     /// between particles is shown.
     #[inline(always)]
     fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {

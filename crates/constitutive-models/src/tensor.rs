@@ -12,8 +12,7 @@ use simd_lanes::Mask;
 
 // No closures: they are not always inlined, and then not compiled for the widest registers.
 
-/// A symmetric 3 x 3 tensor: `[xx, yy, zz, xy, yz, xz]`, the order of VTK and of
-/// [`particle_store::SymmetricTensor`].
+/// A symmetric 3 x 3 tensor: `[xx, yy, zz, xy, yz, xz]`, the order of VTK.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Symmetric<S>(pub [S; 6]);
 
@@ -281,7 +280,7 @@ fn volume_change_in_space<S: Real>(l: &[[S; 3]; 3], dt: f64) -> S {
 
 /// A velocity gradient with zeros, known to the compiler, where entries leave the plane of the first two axes.
 #[inline(always)]
-pub(crate) fn in_plane<S: Real>(l: &[[S; 3]; 3]) -> [[S; 3]; 3] {
+pub fn in_plane<S: Real>(l: &[[S; 3]; 3]) -> [[S; 3]; 3] {
     let zero = l[0][0].splat(0.0);
     [[l[0][0], l[0][1], zero], [l[1][0], l[1][1], zero], [zero, zero, l[2][2]]]
 }

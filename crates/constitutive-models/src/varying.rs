@@ -12,7 +12,7 @@ use crate::tensor::Symmetric;
 ///
 /// Symbols: $\theta_p$ = all numbers of the material of particle `p`, checked by its constructor when it was made, constant in
 /// time; $X_p$ = the place of the particle in the reference state. Where all particles have the same constants, results are
-/// bitwise those of the material itself. [`Body::varying`](crate::Body::varying) makes a body of it.
+/// bitwise those of the material itself. `Body::varying` of smpm makes a body of it.
 ///
 /// Costs one more `f64` (or jet) in memory for each number of the material and particle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,10 +40,8 @@ impl<M> Varying<M> {
 
 impl<M: Copy> Varying<M> {
     /// Particles as they start, each of a material and at a place.
-    pub(crate) fn starts<S: Scalar>(
-        materials: &[M],
-        places: &[[f64; 3]],
-    ) -> Vec<VaryingState<M, M::State>>
+    #[must_use]
+    pub fn starts<S: Scalar>(materials: &[M], places: &[[f64; 3]]) -> Vec<VaryingState<M, M::State>>
     where
         M: Material<S>,
     {

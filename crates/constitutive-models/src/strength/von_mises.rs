@@ -5,8 +5,8 @@ use simd_lanes::Mask;
 
 use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
 use crate::error::{Error, Fault, not_negative, positive};
-use crate::material::{LocalFlow, Now, Observed, StrengthFamily};
 use crate::tensor::Symmetric;
+use crate::{LocalFlow, Now, Observed, StrengthFamily};
 
 parameters! {
     /// What a [`VonMises`] is made of.

@@ -4,7 +4,7 @@ use perturbation_moments::{Real, Scalar};
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, not_negative, positive};
-use crate::material::{EquationFamily, StrengthKind};
+use crate::{EquationFamily, StrengthKind};
 
 parameters! {
     /// What a [`StiffenedGas`] is made of.

@@ -9,7 +9,7 @@ mod tension_cut_off;
 use perturbation_moments::{Real, Scalar};
 
 use crate::error::Fault;
-use crate::material::{Now, StrengthKind};
+use crate::{Now, StrengthKind};
 
 pub use elastic_bulk::{ElasticBulk, ElasticBulkParameters};
 pub use jwl::{Detonation, Jwl, JwlParameters};
@@ -50,7 +50,7 @@ pub trait EquationOfState<S: Real>: std::fmt::Debug + Send + Sync {
     /// Whether the pressure depends on the energy at all; false says that `b` is zero at every volume, and is not looked at.
     const KNOWS_ENERGY: bool = true;
 
-    /// The strengths with which a [`Solid`](crate::material::Solid) of it is compiled with this crate.
+    /// The strengths with which a [`Solid`](crate::Solid) of it is compiled with this crate.
     #[doc(hidden)]
     const COMPILED_WITH: &'static [StrengthKind] = &[];
 
@@ -90,7 +90,7 @@ pub trait EquationOfState<S: Real>: std::fmt::Debug + Send + Sync {
     }
 
     /// Calls with every number that it is made of, with those that follow from others, always in the same order: what is written
-    /// there is the new number. [`Varying`](crate::material::Varying) needs it; false, the default, says that not all that may differ
+    /// there is the new number. [`Varying`](crate::Varying) needs it; false, the default, says that not all that may differ
     /// between particles is shown.
     #[inline(always)]
     fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {

@@ -4,7 +4,7 @@
 //!
 //! ```
 //! use perturbation_moments::{Jet, Scalar};
-//! use smpm::material::{JohnsonCook, MieGruneisen, Solid, Units, library};
+//! use constitutive_models::{JohnsonCook, MieGruneisen, Solid, Units, library};
 //!
 //! // Steel whose A varies along the first direction of a jet.
 //! let strength = library::steel_strength(Units::CM_G_US).map(|name, value| match name {
@@ -18,7 +18,7 @@
 //!     strength: JohnsonCook::new(strength)?,
 //! };
 //! # let _ = steel;
-//! # Ok::<(), smpm::Error>(())
+//! # Ok::<(), constitutive_models::Error>(())
 //! ```
 //!
 //! Each constant states how well it is known: *looked up* is what several public sources agree on, *from memory* is what no
@@ -255,9 +255,7 @@ pub fn aluminium_equation(units: Units) -> MieGruneisenParameters<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::material::{
-        Detonation, JohnsonCook, JohnsonCookDamage, Jwl, MieGruneisen, VonMises,
-    };
+    use crate::{Detonation, JohnsonCook, JohnsonCookDamage, Jwl, MieGruneisen, VonMises};
 
     #[test]
     fn every_material_can_be_made_in_every_system() {

@@ -1,125 +1,14 @@
-//! The trait that turns a particle's history into its stress, and its materials.
-//!
-//! Most materials are a [`Solid`]: an [`EquationOfState`] for the pressure and a [`Strength`] for the deviator, chosen
-//! independently. [`NeoHookean`] is one of its own. Their constants are plain structs, such as [`JohnsonCookParameters`];
-//! [`library`] has named ones.
+//! The trait that turns a particle's history into its stress.
 
 #![allow(
     clippy::inline_always,
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-/// A plain struct of parameters over a number type, with their names.
-macro_rules! parameters {
-    ($(#[$about:meta])* $name:ident { $($(#[doc = $meaning:literal])+ $field:ident),+ $(,)? }) => {
-        $(#[$about])*
-        #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct $name<S> {
-            $($(#[doc = $meaning])+ pub $field: S),+
-        }
-
-        impl<S> $name<S> {
-            /// The names of the parameters.
-            pub const NAMES: &'static [&'static str] = &[$(stringify!($field)),+];
-
-            /// What each of them is, with its unit by quantity, as documented here, in the order of [`NAMES`](Self::NAMES).
-            pub const MEANINGS: &'static [&'static str] = &[$(concat!($($meaning),+)),+];
-
-            /// Every parameter by a function of its name, in the order of [`NAMES`](Self::NAMES).
-            ///
-            /// # Errors
-            /// The first that the function returns.
-            pub fn try_from_names<F>(
-                mut of: impl FnMut(&'static str) -> Result<S, F>,
-            ) -> Result<Self, F> {
-                Ok($name { $($field: of(stringify!($field))?),+ })
-            }
-
-            /// Every parameter by a function of its name and value, in the order of [`NAMES`](Self::NAMES): how numbers become
-            /// jets.
-            #[must_use]
-            #[inline(always)]
-            pub fn map<T>(self, mut of: impl FnMut(&'static str, S) -> T) -> $name<T> {
-                $name { $($field: of(stringify!($field), self.$field)),+ }
-            }
-        }
-    };
-}
-
-/// Makes a struct of parameters, of numbers that follow from them and of what is the same in all number types a member of its family.
-macro_rules! family_member {
-    ($family:ident, $kind:ident: $name:ident { $($number:ident),* $(; $kept:ident)* }, $filled:ident => $state:expr) => {
-        impl<F: Scalar> $family<F> for $name<F> {
-            type In<S: Real> = $name<S>;
-
-            #[inline(always)]
-            fn in_numbers<S: Real>(&self, of: impl Fn(F) -> S + Copy) -> $name<S> {
-                $name {
-                    parameters: self.parameters.map(
-                        #[inline(always)]
-                        |_, number| of(number),
-                    ),
-                    $($number: of(self.$number),)*
-                    $($kept: self.$kept,)*
-                }
-            }
-
-            #[inline(always)]
-            fn filled<S: Real>(&self, $filled: S) -> <$name<S> as $kind<S>>::State {
-                $state
-            }
-        }
-    };
-}
-
-/// Shows the parameters of a material, and the numbers that follow from them.
-macro_rules! shows_constants {
-    ($($number:ident),*) => {
-        #[inline(always)]
-        fn visit_constants(&mut self, mut visit: impl FnMut(&mut S)) -> bool {
-            self.parameters = self.parameters.map(
-                #[inline(always)]
-                |_, mut number| {
-                    visit(&mut number);
-                    number
-                },
-            );
-            $(visit(&mut self.$number);)*
-            true
-        }
-    };
-}
-
-mod equation_of_state;
-mod family;
-pub mod library;
-mod local;
-mod neo_hookean;
-mod solid;
-mod strength;
-mod units;
-mod varying;
-
 use perturbation_moments::{Real, Scalar};
 
-pub use equation_of_state::{
-    Detonation, ElasticBulk, ElasticBulkParameters, EquationOfState, Jwl, JwlParameters, Line,
-    MieGruneisen, MieGruneisenParameters, Start, StiffenedGas, StiffenedGasParameters,
-    TensionCutOff,
-};
-pub use family::{EquationFamily, MaterialFamily, StrengthFamily};
-pub use local::{LocalFlow, LocalResponse, LocalState};
-pub use neo_hookean::{NeoHookean, NeoHookeanParameters, NeoHookeanState};
-pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
-pub use strength::{
-    ElasticShear, ElasticShearParameters, Fluid, JohnsonCook, JohnsonCookDamage,
-    JohnsonCookDamageParameters, JohnsonCookDamageState, JohnsonCookParameters, JohnsonCookState,
-    Strength, StrengthKind, VonMises, VonMisesParameters, VonMisesState,
-};
-pub use units::Units;
-pub use varying::{Varying, VaryingState};
-
 use crate::error::Fault;
+use crate::local::{LocalResponse, LocalState};
 use crate::tensor::Symmetric;
 
 /// What a step does to a particle: all that a material may look at.
@@ -145,12 +34,12 @@ pub struct Now<S> {
 ///
 /// It is pure in the state: the same history gives a bitwise identical result. Branches look at values, so that a jet takes the path
 /// of the run it differentiates: [`Scalar::value`] where `S` is one number, masks where the text is to serve several particles at
-/// once ([`MaterialFamily`]).
+/// once ([`MaterialFamily`](crate::MaterialFamily)).
 pub trait Material<S: Real>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers.
     type State: Copy + std::fmt::Debug + Send + Sync;
 
-    /// Whether its update over `f64` and jets is compiled with this crate.
+    /// Whether programs that step many particles compile its update over `f64` and jets ahead.
     #[doc(hidden)]
     const IS_COMPILED: bool = false;
 
@@ -230,7 +119,7 @@ pub trait Material<S: Real>: std::fmt::Debug + Send + Sync {
     }
 
     /// Calls with every number that it is made of, with those that follow from others, always in the same order: what is written
-    /// there is the new number. [`Varying`] needs it; false, the default, says that not all that may differ
+    /// there is the new number. [`Varying`](crate::Varying) needs it; false, the default, says that not all that may differ
     /// between particles is shown.
     #[inline(always)]
     fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {

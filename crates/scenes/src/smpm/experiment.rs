@@ -6,7 +6,7 @@ use smpm::{Body, Config, Error, Fill, Number, Simulation};
 
 use super::material_scene::{MaterialScene, Numbers, Part};
 use super::random_fields::PreparedField;
-use super::reading::RandomParameter;
+use super::reading::{MOST_RANDOM, RandomParameter};
 use super::scene::SmpmScene;
 use crate::scene::Objection;
 
@@ -89,8 +89,8 @@ impl<const D: usize> SceneExperiment<D> {
     }
 }
 
-impl<const D: usize, const N: usize> Experiment<D, N> for SceneExperiment<D> {
-    fn simulation<S: Number>(&self, x: &[S; N]) -> Result<Simulation<S, D>, Error> {
+impl<const D: usize> Experiment<D, MOST_RANDOM> for SceneExperiment<D> {
+    fn simulation<S: Number>(&self, x: &[S; MOST_RANDOM]) -> Result<Simulation<S, D>, Error> {
         let body = |(prepared, fill): (&Prepared<D>, &Fill<D>)| -> Result<Body<S, D>, Error> {
             let of = |part: Part, name: &'static str| -> S {
                 let random = self.random.iter().zip(x).find(|(random, _)| {

@@ -86,14 +86,14 @@ impl SmpmScene {
         Ok(found)
     }
 
-    /// The joint distribution of `N` parameters: those of the scene, then certain ones.
+    /// The joint distribution of the parameters: those of the scene, then certain ones.
     ///
     /// # Errors
     /// An [`Objection`] to a correlation, or to an invalid random vector.
-    pub fn inputs<const N: usize>(&self) -> Result<RandomVector<N>, Objection> {
+    pub fn inputs(&self) -> Result<RandomVector<MOST_RANDOM>, Objection> {
         let parameters = self.random_parameters()?;
-        let (mut mean, mut deviations) = ([1.0; N], [0.0; N]);
-        let mut marginals = [Marginal::Normal; N];
+        let (mut mean, mut deviations) = ([1.0; MOST_RANDOM], [0.0; MOST_RANDOM]);
+        let mut marginals = [Marginal::Normal; MOST_RANDOM];
         for (i, (parameter, random)) in parameters.iter().zip(&self.random).enumerate() {
             mean[i] = parameter.mean;
             deviations[i] = random.coefficient_of_variation * parameter.mean.abs();
@@ -101,7 +101,7 @@ impl SmpmScene {
                 marginals[i] = Marginal::Lognormal;
             }
         }
-        let mut correlation = [[0.0; N]; N];
+        let mut correlation = [[0.0; MOST_RANDOM]; MOST_RANDOM];
         for (i, row) in correlation.iter_mut().enumerate() {
             row[i] = 1.0;
         }
@@ -383,7 +383,7 @@ impl SmpmScene {
     /// Checks that depend on the dimension: points, gauges, and every material by itself.
     fn check_in<const D: usize>(&self) -> Result<(), Objection> {
         self.check_names()?;
-        self.inputs::<MOST_RANDOM>()?;
+        self.inputs()?;
         self.plan::<D>()?;
         let numbers = self.numbers()?;
         for (name, material) in &self.materials {

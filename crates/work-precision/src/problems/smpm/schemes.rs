@@ -2,6 +2,7 @@
 
 use perturbation_moments::Moments;
 use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{
     SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
 };
@@ -101,7 +102,7 @@ impl Shock {
     /// Those of a scene and of a run.
     pub fn behind(self, scene: &SmpmScene, work: &mut Work) -> Result<Behind, CaseError> {
         let experiment = experiment::<1>(scene)?;
-        let mut run = at_centre::<1, 3>(&experiment, scene)?;
+        let mut run = at_centre(&experiment, scene)?;
         let is_wake = |x: &[f64; 1]| (0.5..3.0).contains(&x[0]);
         let starts = run.bodies()[0].positions();
         let wake: Vec<usize> = (0..starts.len()).filter(|&p| is_wake(&starts[p])).collect();
@@ -124,10 +125,11 @@ impl Shock {
     /// Those of a scene and of a run.
     pub fn slopes(self, scene: &SmpmScene) -> Result<[f64; 2], CaseError> {
         let experiment = experiment::<1>(scene)?;
-        let study = Study::new(&experiment, scene.inputs::<3>()?, scene.plan::<1>()?)?;
+        let study = Study::new(&experiment, scene.inputs()?, scene.plan::<1>()?)?;
         let deviation = scene.random[0].coefficient_of_variation * Self::STEEL[2];
-        let ratio =
-            |moments: &Moments<3>| moments.slopes()[0] / (deviation * self.pressure_by_slope());
+        let ratio = |moments: &Moments<MOST_RANDOM>| {
+            moments.slopes()[0] / (deviation * self.pressure_by_slope())
+        };
         let moments = study.propagated()?.moments;
         Ok([ratio(&moments[0]), ratio(&moments[1])])
     }
@@ -137,12 +139,12 @@ impl Shock {
 ///
 /// # Errors
 /// Those of a scene.
-pub fn at_centre<const D: usize, const N: usize>(
+pub fn at_centre<const D: usize>(
     experiment: &SceneExperiment<D>,
     scene: &SmpmScene,
 ) -> Result<Simulation<f64, D>, CaseError> {
-    let centre = scene.inputs::<N>()?.centre();
-    Ok(Experiment::<D, N>::simulation(experiment, &centre)?)
+    let centre = scene.inputs()?.centre();
+    Ok(Experiment::simulation(experiment, &centre)?)
 }
 
 /// Kinetic and internal energy.
@@ -178,7 +180,7 @@ impl Explosion {
     /// # Errors
     /// Those of a run.
     pub fn energy_change(&self, time: f64, work: &mut Work) -> Result<f64, CaseError> {
-        let mut run = at_centre::<2, 5>(&self.experiment, &self.scene)?;
+        let mut run = at_centre(&self.experiment, &self.scene)?;
         let before = energy(&run);
         let outcome = run.advance_to(time);
         work.spend(run.n_steps())?;

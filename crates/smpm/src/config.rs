@@ -1,8 +1,8 @@
 //! What a simulation needs to know besides its bodies.
 
-use crate::boundary::Boundary;
 use crate::error::{Error, finite, not_negative, positive, within};
-use crate::shape::Shape;
+use crate::grid::boundary::Boundary;
+use crate::transfer::shape::Shape;
 
 /// How velocities go from nodes to particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

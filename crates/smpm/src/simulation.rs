@@ -2,21 +2,21 @@
 
 use std::io::{Read, Write};
 
-use crate::body::Body;
-use crate::boundary::{Plane, Side};
 use crate::config::{Config, Geometry, Transfer};
 use crate::error::Error;
-use crate::grid::{Grid, Solve};
+use crate::grid::background::{Grid, Solve};
+use crate::grid::boundary::{Plane, Side};
+use crate::grid::surfaces::sum_surfaces;
+use crate::grid::tile_size::MOST_NODES;
 use crate::number::{Number, is_plain};
-use crate::particle_motion::Pass;
-use crate::particle_pass::ParticlePass;
-use crate::particle_terms::Given;
-use crate::particles::Particles;
-use crate::snapshot::{Clock, Stored, read, write};
-use crate::summary::{Summary, signal_speed};
-use crate::surfaces::sum_surfaces;
-use crate::tile_size::MOST_NODES;
-use crate::transfers::particle_to_grid;
+use crate::points::body::Body;
+use crate::points::particle_pass::ParticlePass;
+use crate::points::particles::Particles;
+use crate::points::summary::{Summary, signal_speed};
+use crate::record::snapshot::{Clock, Stored, read, write};
+use crate::transfer::particle_motion::Pass;
+use crate::transfer::particle_terms::Given;
+use crate::transfer::transfers::particle_to_grid;
 
 /// A node lighter than this part of the lightest particle does not move.
 const SMALLEST_MASS: f64 = 1e-12;

@@ -13,9 +13,9 @@ use super::sampled::Sampled;
 use super::switch::{Switch, SwitchWitness};
 use crate::error::{Error, positive};
 use crate::number::Number;
-use crate::observation::Plan;
 use crate::parallel::map_in_order;
-use crate::record::{Plain, Schedule};
+use crate::record::gathered::{Plain, Schedule};
+use crate::record::observation::Plan;
 use crate::simulation::Simulation;
 
 /// A run as a function of any number of independent standard normals, such as the coefficients of the modes of random fields.

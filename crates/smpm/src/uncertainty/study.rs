@@ -11,9 +11,9 @@ use super::range;
 use super::runs::Runs;
 use super::switch::{Switch, SwitchWitness};
 use crate::error::Error;
-use crate::observation::Plan;
 use crate::parallel::map_in_order;
-use crate::record::{Plain, Schedule};
+use crate::record::gathered::{Plain, Schedule};
+use crate::record::observation::Plan;
 use crate::simulation::Simulation;
 
 /// Which points of a star are run: `+` and `-` of each direction alternate.

@@ -92,6 +92,7 @@ pub mod library;
 mod local;
 mod material;
 mod neo_hookean;
+mod observed;
 mod solid;
 mod strength;
 pub mod tensor;
@@ -106,8 +107,9 @@ pub use equation_of_state::{
 pub use error::{Error, Fault, finite, not_negative, positive, within};
 pub use family::{EquationFamily, MaterialFamily, StrengthFamily};
 pub use local::{LocalFlow, LocalResponse, LocalState};
-pub use material::{Material, Now, Observed};
+pub use material::{Material, Now};
 pub use neo_hookean::{NeoHookean, NeoHookeanParameters, NeoHookeanState};
+pub use observed::Observed;
 pub use perturbation_moments::{Real, Scalar};
 pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
 pub use strength::{

@@ -1,6 +1,6 @@
 //! The formulas of a material at a state that is taken for certain: what the paper differentiates.
 
-use super::Observed;
+use crate::observed::Observed;
 
 /// A state in numbers, without its history: what [`Material::at_local_state`](super::Material::at_local_state) takes for
 /// certain.

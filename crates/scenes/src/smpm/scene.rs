@@ -195,6 +195,7 @@ pub enum ShapeScene {
 /// Grid-to-particle transfers (G2P).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Flip {})]
 pub enum TransferScene {
     /// Velocity and its gradient (APIC): conserves angular momentum.
     Apic,

@@ -16,9 +16,8 @@ use crate::grid::node::Node;
 use crate::grid::tile_size::block_edge;
 use crate::points::particles::Chunk;
 use crate::transfer::group::{
-    Group, LANES, PAIR, components, group_outer, lanes_of, of_groups, parts,
+    Group, GroupAxis, LANES, PAIR, components, group_outer, lanes_of, of_groups, parts,
 };
-use crate::transfer::group_axis::GroupAxis;
 use crate::transfer::particle_motion::{GridToParticle, Pass};
 use crate::transfer::shape::{Shape, nodes_along};
 use crate::transfer::velocity_gradients::VelocityGradients;

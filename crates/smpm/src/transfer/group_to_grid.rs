@@ -16,9 +16,8 @@ use crate::grid::tile_size::{MOST_NODES, block_edge};
 use crate::points::body::Body;
 use crate::points::conditions::Columns;
 use crate::transfer::group::{
-    Group, LANES, PAIR, components, group_outer, lanes_of, numbers, of_groups, parts,
+    Group, GroupAxis, LANES, PAIR, components, group_outer, lanes_of, numbers, of_groups, parts,
 };
-use crate::transfer::group_axis::GroupAxis;
 use crate::transfer::particle_terms::{ENTRY, Given, ParticleToGrid};
 use crate::transfer::shape::{Shape, nodes_along};
 

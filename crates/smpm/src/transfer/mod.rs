@@ -6,7 +6,6 @@
 pub(crate) mod grid_to_group;
 pub(crate) mod grid_to_jet;
 pub(crate) mod group;
-pub(crate) mod group_axis;
 pub(crate) mod group_to_grid;
 pub(crate) mod jet_to_grid;
 pub(crate) mod particle_motion;

@@ -8,7 +8,7 @@
 //! for a cube of 64 000 particles with eight per cell, and by wall time with two threads.
 //!
 //! The cost of derivatives is measured with Johnson-Cook steel, its five constants random, 40 000 particles, quadratic
-//! B-splines, modified update stress last; contenders alternate in one process.
+//! B-splines; contenders alternate in one process.
 
 #![expect(clippy::unwrap_used, reason = "a run that fails is a mistake of the benchmark")]
 
@@ -21,7 +21,7 @@ use smpm::material::{
     JohnsonCook, LinearElasticParameters, LinearElasticSolid, Material, MieGruneisen, Solid, Units,
     library,
 };
-use smpm::{Body, BulkViscosity, Config, Fill, Number, Shape, Simulation, Transfer, UpdateOrder};
+use smpm::{Body, BulkViscosity, Config, Fill, Number, Shape, Simulation, Transfer};
 
 /// Particles along an edge: 160 000 in all.
 const EDGE: u32 = 400;
@@ -34,21 +34,18 @@ const EDGE_IN_SPACE: u32 = 40;
 const EDGES_OF_THREADS: [(&str, u32); 2] =
     [("wall time, 20 000 particles", 142), ("wall time, 160 000 particles", EDGE)];
 
-const FLIP: Transfer = Transfer::Flip { damping_time: f64::INFINITY };
-
-/// Shape function, update order, transfer.
-const SCHEMES: [(&str, Shape, UpdateOrder, Transfer); 4] = [
-    ("linear USL", Shape::Linear, UpdateOrder::StressLast, FLIP),
-    ("quadratic USL", Shape::QuadraticBSpline, UpdateOrder::StressLast, FLIP),
-    ("quadratic MUSL", Shape::QuadraticBSpline, UpdateOrder::ModifiedStressLast, FLIP),
-    ("quadratic APIC", Shape::QuadraticBSpline, UpdateOrder::StressLast, Transfer::Apic),
+/// Shape function and transfer.
+const SCHEMES: [(&str, Shape, Transfer); 3] = [
+    ("quadratic", Shape::QuadraticBSpline, Transfer::Flip),
+    ("quadratic APIC", Shape::QuadraticBSpline, Transfer::Apic),
+    ("cubic", Shape::CubicBSpline, Transfer::Flip),
 ];
 
 fn square<S: Number, M: Material<S> + 'static>(
     (edge, per_axis): (u32, u32),
     material: M,
     speed: f64,
-    scheme: (Shape, UpdateOrder, Transfer),
+    (shape, transfer): (Shape, Transfer),
 ) -> Simulation<S, 2>
 where
     M::State: 'static,
@@ -62,9 +59,8 @@ where
         [speed * (1.0 + x.sin() - y), speed * (x - 0.5 * y.sin())]
     })
     .unwrap();
-    let (shape, update_order, transfer) = scheme;
     let viscosity = BulkViscosity { quadratic: 1.5, linear: 0.06 };
-    let config = Config { shape, update_order, transfer, viscosity, ..Config::with_cell(cell) };
+    let config = Config { shape, transfer, viscosity, ..Config::with_cell(cell) };
     Simulation::new(config, vec![body]).unwrap()
 }
 
@@ -95,17 +91,15 @@ fn cube() -> Simulation<f64, 3> {
         [0.1 * (1.0 + x.sin() - y), 0.1 * (x - 0.5 * y.sin()), 0.05 * z]
     })
     .unwrap();
-    let (_, shape, update_order, transfer) = SCHEMES[1];
-    let config = Config { shape, update_order, transfer, ..Config::with_cell(2.0 * spacing) };
-    Simulation::new(config, vec![body]).unwrap()
+    Simulation::new(Config::with_cell(2.0 * spacing), vec![body]).unwrap()
 }
 
 /// The quadratic scheme with more particles per cell, and in space.
 fn others(ratios: &mut Ratios) {
-    let many = "quadratic USL, 16 per cell";
+    let many = "quadratic, 16 per cell";
     if ratios.wants(many) {
-        let (_, shape, order, transfer) = SCHEMES[1];
-        let mut simulation = square((EDGE, 4), elastic(), 0.1, (shape, order, transfer));
+        let (_, shape, transfer) = SCHEMES[0];
+        let mut simulation = square((EDGE, 4), elastic(), 0.1, (shape, transfer));
         let n = simulation.bodies()[0].n_particles();
         let _ = simulation.step().unwrap();
         ratios.measure(
@@ -115,7 +109,7 @@ fn others(ratios: &mut Ratios) {
             .rival("memory roof", roof(n * 11 * size_of::<f64>())),
         );
     }
-    let in_space = "quadratic USL in space, 8 per cell";
+    let in_space = "quadratic in space, 8 per cell";
     if ratios.wants(in_space) {
         let mut simulation = cube();
         let n = simulation.bodies()[0].n_particles();
@@ -134,8 +128,8 @@ fn others(ratios: &mut Ratios) {
 fn threads(ratios: &mut Ratios) {
     let by = |n_threads: usize, edge: u32| {
         let pool = ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-        let (_, shape, order, transfer) = SCHEMES[2];
-        let mut simulation = square((edge, 2), elastic(), 0.01, (shape, order, transfer));
+        let (_, shape, transfer) = SCHEMES[0];
+        let mut simulation = square((edge, 2), elastic(), 0.01, (shape, transfer));
         move || {
             pool.install(|| {
                 for _ in 0..10 {
@@ -152,11 +146,11 @@ fn threads(ratios: &mut Ratios) {
 }
 
 fn schemes(ratios: &mut Ratios) {
-    for (name, shape, order, transfer) in SCHEMES {
+    for (name, shape, transfer) in SCHEMES {
         if !ratios.wants(name) {
             continue;
         }
-        let mut simulation = square((EDGE, 2), elastic(), 0.1, (shape, order, transfer));
+        let mut simulation = square((EDGE, 2), elastic(), 0.1, (shape, transfer));
         let n = simulation.bodies()[0].n_particles();
         // Position, velocity, volume, stress in the plane and its normal, pressure, energy: 2 + 2 + 1 + 4 + 2 numbers.
         let bytes = n * 11 * size_of::<f64>();
@@ -183,8 +177,7 @@ fn steel<S: Number>(of: impl Fn(f64, usize) -> S) -> Simulation<S, 2> {
         equation: MieGruneisen::new(equation).unwrap(),
         strength: JohnsonCook::new(strength).unwrap(),
     };
-    let scheme = (Shape::QuadraticBSpline, UpdateOrder::ModifiedStressLast, FLIP);
-    square((EDGE_OF_JETS, 2), steel, 0.01, scheme)
+    square((EDGE_OF_JETS, 2), steel, 0.01, (Shape::QuadraticBSpline, Transfer::Flip))
 }
 
 fn overheads(ratios: &mut Ratios) {

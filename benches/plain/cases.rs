@@ -1,16 +1,14 @@
 //! The cases, each with the step of the library and its baseline.
 
 use peridyn_sde::{BondList, Condition, LatticeBody, Strain};
-use smpm::UpdateOrder;
-use smpm::material::{Fluid, LinearElasticSolid, Solid, StiffenedGas};
+use smpm::material::{Fluid, Solid, StiffenedGas};
 
 use crate::bonded;
 use crate::case::Case;
-use crate::elastic::Elastic;
 use crate::fluid::Gas;
 use crate::lattice::Lattice;
 use crate::list::List;
-use crate::material_points::{self, ELASTIC, GAS};
+use crate::material_points::{self, GAS};
 
 /// Sums over nodes are in another order: roundoff, amplified in twenty steps by the stiffness of the material.
 const ROUNDOFF: f64 = 1e-11;
@@ -23,31 +21,15 @@ const BONDED_ROUNDOFF: f64 = 1e-11;
 
 const PLATE: Condition = Condition::PlaneStress { thickness: 1.0 };
 
-pub(crate) const CASES: [Case; 4] = [
-    Case {
-        name: "smpm-elastic",
-        what: "elastic square in plane strain, quadratic B-splines, stress last, FLIP",
-        element: "particle",
-        edges: [400, 100],
-        ours: |edge| {
-            let material = LinearElasticSolid::<f64>::linear_elastic(ELASTIC)?;
-            Ok(Box::new(material_points::simulation(edge, material, UpdateOrder::StressLast)?))
-        },
-        plain: |edge| Ok(Box::new(Elastic::new(&material_points::body(edge)?))),
-        tolerance: ROUNDOFF,
-    },
+pub(crate) const CASES: [Case; 3] = [
     Case {
         name: "smpm-gas",
-        what: "stiffened gas in plane strain, quadratic B-splines, modified stress last, FLIP",
+        what: "stiffened gas in plane strain, quadratic B-splines, FLIP",
         element: "particle",
         edges: [400, 100],
         ours: |edge| {
             let material = Solid { equation: StiffenedGas::new(GAS)?, strength: Fluid };
-            Ok(Box::new(material_points::simulation(
-                edge,
-                material,
-                UpdateOrder::ModifiedStressLast,
-            )?))
+            Ok(Box::new(material_points::simulation(edge, material)?))
         },
         plain: |edge| Ok(Box::new(Gas::new(&material_points::body(edge)?))),
         tolerance: ROUNDOFF,

@@ -15,7 +15,6 @@ mod bonded;
 mod case;
 mod cases;
 mod count;
-mod elastic;
 mod fluid;
 mod grid;
 mod lattice;

@@ -1,12 +1,10 @@
 //! A square of material points that stretches, shears and rotates: smpm and hand-written.
 
-use smpm::material::{LinearElasticParameters, Material, StiffenedGasParameters};
-use smpm::{BulkViscosity, Config, Fill, Simulation, UpdateOrder};
+use smpm::material::{Material, StiffenedGasParameters};
+use smpm::{BulkViscosity, Config, Fill, Simulation};
 
 use crate::case::{Failure, Run, State};
 
-pub(crate) const ELASTIC: LinearElasticParameters<f64> =
-    LinearElasticParameters { density: 1.0, young_modulus: 100.0, poisson_ratio: 0.3 };
 pub(crate) const GAS: StiffenedGasParameters<f64> =
     StiffenedGasParameters { density: 1.0, exponent: 4.4, stiffness: 30.0, pressure: 1.0 };
 
@@ -51,7 +49,6 @@ pub(crate) fn body(edge: u32) -> Result<Body, smpm::Error> {
 pub(crate) fn simulation<M: Material<f64> + 'static>(
     edge: u32,
     material: M,
-    update_order: UpdateOrder,
 ) -> Result<Simulation<f64, 2>, smpm::Error>
 where
     M::State: 'static,
@@ -61,7 +58,6 @@ where
     body.set_velocities(velocity)?;
     let viscosity = BulkViscosity { quadratic: QUADRATIC, linear: LINEAR };
     let config = Config {
-        update_order,
         viscosity,
         courant_number: COURANT_NUMBER,
         most_energy_growth: MOST_GROWTH,

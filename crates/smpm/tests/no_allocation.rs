@@ -7,7 +7,7 @@ use std::alloc::System;
 use cap::Cap;
 use perturbation_moments::Jet;
 use smpm::material::{JohnsonCook, MieGruneisen, Solid, Units, library};
-use smpm::{Body, Config, Contact, Fill, Number, Shape, Simulation, Transfer, UpdateOrder};
+use smpm::{Body, Config, Contact, Fill, Number, Shape, Simulation, Transfer};
 
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
@@ -46,12 +46,8 @@ fn of_ten_steps<S: Number>(change: impl FnOnce(&mut Config<2>)) -> usize {
 fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| {
-        for order in
-            [UpdateOrder::StressFirst, UpdateOrder::StressLast, UpdateOrder::ModifiedStressLast]
-        {
-            assert_eq!(of_ten_steps::<f64>(|config| config.update_order = order), 0, "{order:?}");
-        }
-        assert_eq!(of_ten_steps::<f64>(|config| config.shape = Shape::Gimp), 0);
+        assert_eq!(of_ten_steps::<f64>(|_| ()), 0);
+        assert_eq!(of_ten_steps::<f64>(|config| config.shape = Shape::CubicBSpline), 0);
         assert_eq!(of_ten_steps::<f64>(|config| config.transfer = Transfer::Apic), 0);
         let contact = Contact::Friction { coefficient: 0.3 };
         assert_eq!(of_ten_steps::<f64>(|config| config.contact = contact), 0);

@@ -6,7 +6,7 @@ use smpm::{Body, Config, Error, Fill, Number, Simulation};
 
 use super::material_scene::{MaterialScene, Numbers, Part};
 use super::random_fields::PreparedField;
-use super::reading::RandomParameter;
+use super::reading::{MOST_RANDOM, RandomParameter};
 use super::scene::SmpmScene;
 use crate::scene::Objection;
 
@@ -62,19 +62,6 @@ impl<const D: usize> SceneExperiment<D> {
         &self.fields
     }
 
-    /// The modes of all fields at the particle of a body that starts nearest to a point: a direction in the space of the
-    /// coefficients, along which the constants there change most. Zero for fields of other materials.
-    #[must_use]
-    pub fn modes_near(&self, body: usize, point: &[f64; D]) -> Vec<f64> {
-        let distance = |place: &[f64; D]| -> f64 {
-            place.iter().zip(point).map(|(x, y)| (x - y) * (x - y)).sum()
-        };
-        let places = self.fills.get(body).map_or(&[][..], |fill| &fill.positions);
-        let order = |a: &usize, b: &usize| distance(&places[*a]).total_cmp(&distance(&places[*b]));
-        let particle = (0..places.len()).min_by(order).unwrap_or(0);
-        self.fields.iter().flat_map(|field| field.modes_of(body, particle)).collect()
-    }
-
     /// The constants that vary, of every particle of all bodies in order: name and values, not a number outside of the material.
     pub(super) fn constants(&self, coefficients: &[f64]) -> Vec<(String, Vec<f64>)> {
         let mut columns = Vec::new();
@@ -102,8 +89,8 @@ impl<const D: usize> SceneExperiment<D> {
     }
 }
 
-impl<const D: usize, const N: usize> Experiment<D, N> for SceneExperiment<D> {
-    fn simulation<S: Number>(&self, x: &[S; N]) -> Result<Simulation<S, D>, Error> {
+impl<const D: usize> Experiment<D, MOST_RANDOM> for SceneExperiment<D> {
+    fn simulation<S: Number>(&self, x: &[S; MOST_RANDOM]) -> Result<Simulation<S, D>, Error> {
         let body = |(prepared, fill): (&Prepared<D>, &Fill<D>)| -> Result<Body<S, D>, Error> {
             let of = |part: Part, name: &'static str| -> S {
                 let random = self.random.iter().zip(x).find(|(random, _)| {

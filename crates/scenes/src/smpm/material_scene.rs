@@ -248,18 +248,6 @@ fn compiled() -> &'static [&'static (dyn Any + Send + Sync)] {
     ALL
 }
 
-/// Whether bodies of this number type are compiled with this crate: those whose step is compiled with smpm.
-const fn is_compiled<S: Number>(dimension: usize) -> bool {
-    let mut k = 0;
-    while !cfg!(test) && k < S::COMPILED.len() {
-        if S::COMPILED[k] == dimension {
-            return true;
-        }
-        k += 1;
-    }
-    false
-}
-
 impl MaterialScene {
     /// All its parameters.
     ///
@@ -352,7 +340,7 @@ impl MaterialScene {
         fill: &Fill<D>,
         velocity: [f64; D],
     ) -> Result<Body<S, D>, Error> {
-        if const { is_compiled::<S>(D) } {
+        if const { !cfg!(test) && S::IS_COMPILED && D <= 3 } {
             let made = compiled().iter().find_map(|body| body.downcast_ref::<BodyOf<S, D>>());
             match made {
                 Some(body) => body(self, of, fill, velocity),

@@ -16,7 +16,6 @@ use uq_estimators::{Sampling, UnitCube};
 #[schemars(example = Self::QuasiMonteCarlo { points: 32, replicas: 8, seed: 1, control: true })]
 #[schemars(example = Self::SobolIndices { points: 64, replicas: 8, seed: 1 })]
 #[schemars(example = Self::Multilevel(MultilevelScene::example()))]
-#[schemars(example = Self::Adjoint { memory: USUAL_MEMORY })]
 pub enum MethodScene {
     /// One run at the centre of the parameters, no variance.
     Deterministic,
@@ -28,13 +27,6 @@ pub enum MethodScene {
     },
     /// Derivatives carried through the run; with `random_fields`, through one run for every eight terms.
     Propagated,
-    /// Derivatives by all terms of `random_fields` from one run that is reversed step by step, eight responses at once: the fewest runs
-    /// for many terms. The mean is that of first order.
-    Adjoint {
-        /// Largest memory for states between steps (MB); where a run takes more, steps are run again.
-        #[serde(default = "usual_memory")]
-        memory: u32,
-    },
     /// Central differences of whole runs.
     FiniteDifference {
         /// Step in standard deviations (no unit).
@@ -140,13 +132,6 @@ pub enum DecisiveScene {
     LastTime,
 }
 
-/// Memory of a reversed run without the key (MB).
-const USUAL_MEMORY: u32 = 1024;
-
-const fn usual_memory() -> u32 {
-    USUAL_MEMORY
-}
-
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -184,11 +169,6 @@ impl MultilevelScene {
 }
 
 impl MethodScene {
-    /// A reversed run with the memory of a scene that names none.
-    pub(crate) const fn adjoint() -> Self {
-        Self::Adjoint { memory: USUAL_MEMORY }
-    }
-
     /// The seed of a method that samples.
     pub(crate) const fn seed_mut(&mut self) -> Option<&mut u64> {
         match self {

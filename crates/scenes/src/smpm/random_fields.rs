@@ -51,13 +51,6 @@ pub(super) struct PreparedField {
 }
 
 impl PreparedField {
-    /// The modes at a particle of a body, zero for a body of another material.
-    pub(super) fn modes_of(&self, body: usize, particle: usize) -> Vec<f64> {
-        let of_body = self.modes.get(body).map_or(&[][..], Vec::as_slice);
-        let own = of_body.get(particle * self.n_terms..(particle + 1) * self.n_terms);
-        own.map_or_else(|| vec![0.0; self.n_terms], <[f64]>::to_vec)
-    }
-
     /// The factors at all particles of a body, by the coefficients of all fields; none for a body of another material.
     ///
     /// Value and both derivatives of the translation at the normal of the particle: exact for jets.
@@ -135,14 +128,7 @@ impl SmpmScene {
     /// Rejects random parameters beside random fields, and methods that there are not for fields.
     pub(super) fn check_field_method(&self) -> Result<(), Objection> {
         if self.random_fields.is_empty() {
-            let is_adjoint = matches!(self.method, MethodScene::Adjoint { .. });
-            let message = "the method `adjoint` is for `random_fields`; the scene has none";
-            let help = "take `propagated` or `forward_difference` for random parameters";
-            return if is_adjoint {
-                Err(Objection::new("method", message).with_help(help))
-            } else {
-                Ok(())
-            };
+            return Ok(());
         }
         if !self.random.is_empty() {
             let message = "a scene has `random` parameters or `random_fields`, not both";
@@ -153,7 +139,7 @@ impl SmpmScene {
             return Ok(());
         }
         let message = "this method does not go with `random_fields`";
-        let help = "take `monte_carlo`, `multilevel`, `forward_difference`, `finite_difference`, `propagated`, `adjoint` or `deterministic`";
+        let help = "take `monte_carlo`, `multilevel`, `forward_difference`, `finite_difference`, `propagated` or `deterministic`";
         Err(Objection::new("method", message).with_help(help))
     }
 
@@ -168,7 +154,6 @@ impl SmpmScene {
                     | MethodScene::ForwardDifference { .. }
                     | MethodScene::FiniteDifference { .. }
                     | MethodScene::Propagated
-                    | MethodScene::Adjoint { .. }
             )
     }
 

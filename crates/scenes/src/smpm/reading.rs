@@ -6,7 +6,7 @@ use perturbation_moments::{Marginal, RandomVector};
 use serde_json::Value;
 use smpm::{
     Boundary, BoundaryKind, BulkViscosity, Config, Contact, Fill, Gauge, Geometry, Place, Plan,
-    Quantity, Shape, Side, Transfer, UpdateOrder,
+    Quantity, Shape, Side, Transfer,
 };
 use uq_estimators::{Error as SamplingError, SobolPoints};
 
@@ -15,8 +15,8 @@ use super::material_scene::{MaterialScene, Numbers, Part};
 use super::method_scene::MethodScene;
 use super::region::BodyRegion;
 use super::scene::{
-    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, OrderScene, ShapeScene,
-    SideScene, SmpmScene, TransferScene,
+    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, ShapeScene, SideScene,
+    SmpmScene, TransferScene,
 };
 use super::unknown_name::unknown;
 use crate::nearest::nearest;
@@ -86,14 +86,14 @@ impl SmpmScene {
         Ok(found)
     }
 
-    /// The joint distribution of `N` parameters: those of the scene, then certain ones.
+    /// The joint distribution of the parameters: those of the scene, then certain ones.
     ///
     /// # Errors
     /// An [`Objection`] to a correlation, or to an invalid random vector.
-    pub fn inputs<const N: usize>(&self) -> Result<RandomVector<N>, Objection> {
+    pub fn inputs(&self) -> Result<RandomVector<MOST_RANDOM>, Objection> {
         let parameters = self.random_parameters()?;
-        let (mut mean, mut deviations) = ([1.0; N], [0.0; N]);
-        let mut marginals = [Marginal::Normal; N];
+        let (mut mean, mut deviations) = ([1.0; MOST_RANDOM], [0.0; MOST_RANDOM]);
+        let mut marginals = [Marginal::Normal; MOST_RANDOM];
         for (i, (parameter, random)) in parameters.iter().zip(&self.random).enumerate() {
             mean[i] = parameter.mean;
             deviations[i] = random.coefficient_of_variation * parameter.mean.abs();
@@ -101,7 +101,7 @@ impl SmpmScene {
                 marginals[i] = Marginal::Lognormal;
             }
         }
-        let mut correlation = [[0.0; N]; N];
+        let mut correlation = [[0.0; MOST_RANDOM]; MOST_RANDOM];
         for (i, row) in correlation.iter_mut().enumerate() {
             row[i] = 1.0;
         }
@@ -142,21 +142,12 @@ impl SmpmScene {
         });
         Ok(Config {
             shape: scheme.shape.map_or(usual.shape, |shape| match shape {
-                ShapeScene::Linear => Shape::Linear,
-                ShapeScene::Gimp => Shape::Gimp,
                 ShapeScene::QuadraticBSpline => Shape::QuadraticBSpline,
                 ShapeScene::CubicBSpline => Shape::CubicBSpline,
             }),
-            update_order: scheme.update_order.map_or(usual.update_order, |order| match order {
-                OrderScene::StressFirst => UpdateOrder::StressFirst,
-                OrderScene::StressLast => UpdateOrder::StressLast,
-                OrderScene::ModifiedStressLast => UpdateOrder::ModifiedStressLast,
-            }),
             transfer: scheme.transfer.map_or(usual.transfer, |transfer| match transfer {
                 TransferScene::Apic => Transfer::Apic,
-                TransferScene::Flip { damping_time } => {
-                    Transfer::Flip { damping_time: damping_time.unwrap_or(f64::INFINITY) }
-                }
+                TransferScene::Flip {} => Transfer::Flip,
             }),
             viscosity,
             courant_number: scheme.courant_number.unwrap_or(usual.courant_number),
@@ -392,7 +383,7 @@ impl SmpmScene {
     /// Checks that depend on the dimension: points, gauges, and every material by itself.
     fn check_in<const D: usize>(&self) -> Result<(), Objection> {
         self.check_names()?;
-        self.inputs::<MOST_RANDOM>()?;
+        self.inputs()?;
         self.plan::<D>()?;
         let numbers = self.numbers()?;
         for (name, material) in &self.materials {

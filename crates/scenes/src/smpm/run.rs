@@ -138,18 +138,15 @@ fn run_in<const D: usize>(
     };
     print(&notes);
     let mut fields = Fields::new(scene, plan.stops(), run.out());
-    // A scene with fewer parameters has more lanes for probes.
-    let answer = match (&scene.method, scene.random.len()) {
-        (MethodScene::Multilevel(method), _) => {
+    let answer = match &scene.method {
+        MethodScene::Multilevel(method) => {
             let of_scene = (&experiment, &plan);
             multilevel::solve(scene, method, of_scene, &mut fields, run)
         }
         _ if !scene.random_fields.is_empty() => {
             field_solve::solve_fields(scene, &experiment, &plan, &mut fields, run)
         }
-        (_, 0..=3) => solve::solve::<D, 3>(scene, &experiment, &plan, &mut fields, run),
-        (_, 4 | 5) => solve::solve::<D, 5>(scene, &experiment, &plan, &mut fields, run),
-        _ => solve::solve::<D, 8>(scene, &experiment, &plan, &mut fields, run),
+        _ => solve::solve(scene, &experiment, &plan, &mut fields, run),
     };
     let answer = match answer {
         Ok(Solved::Whole(answer)) => answer,
@@ -369,9 +366,6 @@ fn method_words(method: MethodScene) -> String {
         MethodScene::Frozen { .. } => "Derivatives at the local state, corrected".to_owned(),
         MethodScene::Propagated => {
             "Mean and deviation by derivatives carried through one run".to_owned()
-        }
-        MethodScene::Adjoint { .. } => {
-            "Centre and deviation by derivatives of one reversed run".to_owned()
         }
         MethodScene::FiniteDifference { .. } => {
             "Mean and deviation by differences of whole runs".to_owned()

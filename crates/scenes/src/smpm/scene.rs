@@ -158,13 +158,9 @@ pub struct SchemeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = ShapeScene::QuadraticBSpline))]
     pub shape: Option<ShapeScene>,
-    /// Order of the stress update in a step.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = OrderScene::ModifiedStressLast), example = OrderScene::StressLast)]
-    pub update_order: Option<OrderScene>,
     /// Transfer of velocities from the grid to the particles (G2P).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("default" = TransferScene::Flip { damping_time: None }))]
+    #[schemars(extend("default" = TransferScene::Flip {}))]
     pub transfer: Option<TransferScene>,
     /// Coefficients of the bulk viscosity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -190,41 +186,21 @@ pub struct ViscosityScene {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeScene {
-    /// Linear, the paper's.
-    Linear,
-    /// Generalised interpolation.
-    Gimp,
     /// Quadratic B-splines.
     QuadraticBSpline,
     /// Cubic B-splines.
     CubicBSpline,
 }
 
-/// Order of the stress update.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum OrderScene {
-    /// First in a step (USF).
-    StressFirst,
-    /// Last in a step (USL).
-    StressLast,
-    /// Last, after a second momentum transfer from the particles (MUSL).
-    ModifiedStressLast,
-}
-
 /// Grid-to-particle transfers (G2P).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(example = Self::Flip { damping_time: Some(2.0) })]
+#[schemars(example = Self::Flip {})]
 pub enum TransferScene {
     /// Velocity and its gradient (APIC): conserves angular momentum.
     Apic,
     /// Change of the velocity (FLIP): conserves energy.
-    Flip {
-        /// Relaxation time to the interpolated velocity (time of `units`); never without this key.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        damping_time: Option<f64>,
-    },
+    Flip {},
 }
 
 /// Interaction of bodies in contact.

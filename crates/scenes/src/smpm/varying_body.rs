@@ -5,7 +5,7 @@ use smpm::material::{
     JohnsonCookParameters, MieGruneisen, MieGruneisenParameters, Solid, VonMises,
     VonMisesParameters,
 };
-use smpm::{Body, Error, Fill, Number};
+use smpm::{Body, Error, Fill, Number, ParameterError};
 
 use super::material_scene::{EquationScene, MaterialScene, Part, StrengthScene};
 use crate::scene::Objection;
@@ -58,7 +58,7 @@ impl MaterialScene {
         velocity: [f64; D],
     ) -> Result<Body<S, D>, Error> {
         let given = |particle: usize, part: Part| {
-            move |name: &'static str| -> Result<S, Error> { Ok(of(particle, part, name)) }
+            move |name: &'static str| -> Result<S, ParameterError> { Ok(of(particle, part, name)) }
         };
         let mie_gruneisen = |particle: usize| {
             let parameters = given(particle, Part::Equation);

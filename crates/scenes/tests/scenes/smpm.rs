@@ -341,12 +341,6 @@ fn mistakes_are_shown_where_they_stand() {
         ("\"from\": [0]", "\"from\": [0, 1]", "bodies[0].shape.box.from", "2 coordinates"),
         (
             "\"propagated\"",
-            "{ \"adjoint\": { \"memory\": 100 } }",
-            "method",
-            "is for `random_fields`; the scene has none",
-        ),
-        (
-            "\"propagated\"",
             &quasi("sobol_indices", 12, ""),
             "method.sobol_indices.points",
             "12 Sobol' points, must be a power of two",

@@ -13,9 +13,9 @@ use super::sampled::Sampled;
 use super::switch::{Switch, SwitchWitness};
 use crate::error::{Error, positive};
 use crate::number::Number;
-use crate::observation::Plan;
 use crate::parallel::map_in_order;
-use crate::record::{Plain, Schedule};
+use crate::record::gathered::{Plain, Schedule};
+use crate::record::observation::Plan;
 use crate::simulation::Simulation;
 
 /// A run as a function of any number of independent standard normals, such as the coefficients of the modes of random fields.
@@ -128,11 +128,7 @@ impl<'a, X: FieldExperiment<D>, const D: usize> FieldStudy<'a, X, D> {
         self.experiment.n_coefficients()
     }
 
-    pub(super) const fn experiment(&self) -> &X {
-        self.experiment
-    }
-
-    pub(super) fn check(&self, value: usize) -> Result<(), Error> {
+    fn check(&self, value: usize) -> Result<(), Error> {
         let expected = self.experiment.n_coefficients();
         if value == expected { Ok(()) } else { Err(Error::OtherCoefficients { value, expected }) }
     }
@@ -184,7 +180,7 @@ impl<'a, X: FieldExperiment<D>, const D: usize> FieldStudy<'a, X, D> {
     /// each direction. A slope is wrong by half the step times the curvature. By response, then direction.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for the step; [`Error::OtherCoefficients`] for a direction of another length; those of the experiment
+    /// [`Error::Parameter`] for the step; [`Error::OtherCoefficients`] for a direction of another length; those of the experiment
     /// and of the runs.
     pub fn forward_differences(
         &self,

@@ -5,11 +5,11 @@ use perturbation_moments::{Jet, LANES, Moments, Scalar};
 use super::experiment::Experiment;
 use super::study::Study;
 use crate::error::Error;
-use crate::material::{LocalFlow, LocalState};
-use crate::observation::{Located, Quantity};
-use crate::record::Reader;
+use crate::record::gathered::Reader;
+use crate::record::observation::{Located, Quantity};
 use crate::simulation::Simulation;
-use crate::tensor::Symmetric;
+use constitutive_models::tensor::Symmetric;
+use constitutive_models::{LocalFlow, LocalState};
 
 /// Which of the formulas of Chen et al. (2019).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,7 +108,7 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
     /// [`Error::NoLocalFormulas`] for a gauge in a material that has none; those of the run.
     pub fn frozen(&self, form: FrozenForm) -> Result<Vec<FrozenMoments<N>>, Error> {
         let mut passes = Vec::new();
-        for pass in 0..N.div_ceil(LANES).max(1) {
+        for pass in 0..self.n_random().div_ceil(LANES).max(1) {
             let of_jets = self.experiment.simulation(&self.inputs.jets_of_pass(pass, &[]))?;
             let mut run = self.experiment.simulation(&self.inputs.centre())?;
             for gauge in &self.runs.plan.gauges {

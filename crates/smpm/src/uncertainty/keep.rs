@@ -3,10 +3,10 @@
 use std::error::Error as StdError;
 
 use crate::error::Error;
-use crate::observation::{Located, Plan, Window, stops};
-use crate::record::{Gathered, Schedule, Witness};
+use crate::record::gathered::{Gathered, Schedule, Witness};
+use crate::record::observation::{Located, Plan, Window, stops};
+use crate::record::snapshot::Stored;
 use crate::simulation::Simulation;
-use crate::snapshot::Stored;
 
 /// Keeps how far the runs of a study have come, so that another study of the same experiment resumes there.
 ///

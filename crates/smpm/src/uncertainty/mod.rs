@@ -15,17 +15,14 @@
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
 //!
 //! A constant that varies in space has any number of random coefficients. [`FieldStudy`] samples them, or computes the gradient of every
-//! response by all of them, eight in each run of jets, or that of a few responses in reverse mode
-//! ([`FieldStudy::gradient_by_adjoint`]).
+//! response by all of them, eight in each run of jets.
 //!
 //! A study that is [kept](Study::kept_by) resumes after an interruption, bitwise identically, where each of its runs was last kept.
 
 mod design;
 mod experiment;
-mod field_adjoint;
 mod field_moments;
 mod field_study;
-mod field_subspace;
 mod frozen;
 mod keep;
 mod range;
@@ -34,13 +31,10 @@ mod sampled;
 mod study;
 mod switch;
 
-pub use crate::reverse::{RevolveAction, SweepCost, fewest_advances, revolve};
 pub use design::Design;
 pub use experiment::Experiment;
-pub use field_adjoint::AdjointGradient;
 pub use field_moments::FieldMoments;
 pub use field_study::{AlongFields, FieldExperiment, FieldGradient, FieldStudy};
-pub use field_subspace::{CapturedVariance, SubspaceVariance};
 pub use frozen::{FrozenForm, FrozenMoments};
 pub use keep::{Keep, Standing};
 pub use range::MOST_CHANCE_OUT_OF_RANGE;

@@ -2,10 +2,10 @@
 
 use super::keep::{Keep, Kept};
 use crate::error::Error;
-use crate::observation::Plan;
-use crate::record::{Plain, Reader, Record, Schedule, Witness};
+use crate::record::gathered::{Plain, Reader, Record, Schedule, Witness};
+use crate::record::observation::Plan;
+use crate::record::snapshot::Stored;
 use crate::simulation::Simulation;
-use crate::snapshot::Stored;
 
 /// A plan, who keeps its runs, and what the reference run has shown.
 #[derive(Debug)]

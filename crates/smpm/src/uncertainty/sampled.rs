@@ -297,7 +297,7 @@ impl Exceedance {
     /// response is from normal it does not know: see [`Moments::trust`].
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the level.
+    /// [`Error::Parameter`] for the level.
     pub fn by_normal_law<const N: usize>(moments: &Moments<N>, level: f64) -> Result<Self, Error> {
         let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
         Self::of_normal((mean, moments.variance_first_order()), level)
@@ -306,7 +306,7 @@ impl Exceedance {
     /// Of a normal response with this mean and variance.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the level.
+    /// [`Error::Parameter`] for the level.
     pub fn of_normal((mean, variance): (f64, f64), level: f64) -> Result<Self, Error> {
         crate::error::finite("level", level)?;
         let probability = if variance > 0.0 {

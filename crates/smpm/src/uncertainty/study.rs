@@ -1,7 +1,8 @@
 //! An experiment with random parameters, and what its responses do.
 
 use perturbation_moments::{
-    AlongDirections, Jet, LANES, Moments, RandomVector, SIGMA_POINT_DISTANCE, SigmaPoints, Slopes,
+    AlongDirections, Jet, LANES, Moments, RandomVector, SIGMA_POINT_DISTANCE, Scalar, SigmaPoints,
+    Slopes,
 };
 
 use super::experiment::Experiment;
@@ -10,9 +11,9 @@ use super::range;
 use super::runs::Runs;
 use super::switch::{Switch, SwitchWitness};
 use crate::error::Error;
-use crate::observation::Plan;
 use crate::parallel::map_in_order;
-use crate::record::{Plain, Schedule};
+use crate::record::gathered::{Plain, Schedule};
+use crate::record::observation::Plan;
 use crate::simulation::Simulation;
 
 /// Which points of a star are run: `+` and `-` of each direction alternate.
@@ -119,8 +120,8 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     }
 
     /// Moments by the derivatives that every particle and node carries: one run with jets for up to eight parameters, one
-    /// more for every eight beyond. Lanes that are left carry probes of the mixed second derivatives, along signs that follow
-    /// from a fixed seed.
+    /// more for every eight beyond. Parameters without deviation behind the last that has one take no lanes. Lanes that are left
+    /// carry probes of the mixed second derivatives, along fixed signs.
     ///
     /// # Errors
     /// Those of the experiment and of the run; of [`Moments::along`] where a derivative has overflowed.
@@ -138,15 +139,16 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         &self,
         mut look: impl FnMut(f64, &Simulation<Jet, D>),
     ) -> Result<Propagated<N>, Error> {
-        let n_passes = N.div_ceil(LANES).max(1);
-        let probes = signs::<N>(LANES * n_passes - N);
+        let n = self.n_random();
+        let n_passes = n.div_ceil(LANES).max(1);
+        let probes = signs::<N>(n, LANES * n_passes - n);
         let (windows, n_gauges) = (&self.runs.plan.windows, self.runs.plan.gauges.len());
         let mut switches_so_far: Option<Vec<Vec<Switch>>> = None;
         let mut passes: Vec<Vec<Jet>> = Vec::with_capacity(n_passes);
         for pass in 0..n_passes {
-            let jets = self.inputs.jets_of_pass(pass, &probes);
+            let jets = self.jets_of_pass(pass, &probes);
             let mut simulation = self.experiment.simulation(&jets)?;
-            let witness = SwitchWitness::new(n_gauges, windows, N - LANES * pass, &mut look);
+            let witness = SwitchWitness::new(n_gauges, windows, n - LANES * pass, &mut look);
             let run = format!("run with derivatives {pass}");
             let (values, witness) = self.runs.follow(run, &mut simulation, &Plain, witness)?;
             passes.push(values);
@@ -165,14 +167,45 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
         Ok(Propagated { moments, switches, n_probes: probes.len() })
     }
 
+    /// The parameters up to the last one with a deviation: their directions take lanes of jets.
+    pub(super) fn n_random(&self) -> usize {
+        self.inputs.deviations().iter().rposition(|&deviation| deviation > 0.0).map_or(0, |k| k + 1)
+    }
+
+    /// The parameters as jets: lane `k` of all passes is direction `k`, or after the last random parameter a probe.
+    fn jets_of_pass(&self, pass: usize, probes: &[[f64; N]]) -> [Jet; N] {
+        let n = self.n_random();
+        let mut jets = self.inputs.centre().map(Jet::constant);
+        for lane in 0..LANES {
+            // Where the inputs have the direction, whose probes follow their last parameter.
+            let place = LANES * pass + lane;
+            let place = if place < n { place } else { N + (place - n) };
+            let of_inputs = self.inputs.jets_of_pass(place / LANES, probes);
+            for (jet, from) in jets.iter_mut().zip(of_inputs) {
+                jet.first[lane] = from.first[place % LANES];
+                jet.second[lane] = from.second[place % LANES];
+            }
+        }
+        jets
+    }
+
     /// Taylor moments of every response, from the jets of each pass.
     pub(super) fn moments_of(
         &self,
         passes: &[Vec<Jet>],
         n_probes: usize,
     ) -> Result<Vec<Moments<N>>, Error> {
+        let n = self.n_random();
         let of = |response: usize| {
-            let jets: Vec<Jet> = passes.iter().map(|values| values[response]).collect();
+            let value = passes[0][response].value;
+            // By the places of the inputs: random parameters, certain ones, probes.
+            let mut jets = vec![Jet::constant(value); (N + n_probes).div_ceil(LANES).max(1)];
+            for from in 0..n + n_probes {
+                let to = if from < n { from } else { N + (from - n) };
+                let jet = &passes[from / LANES][response];
+                jets[to / LANES].first[to % LANES] = jet.first[from % LANES];
+                jets[to / LANES].second[to % LANES] = jet.second[from % LANES];
+            }
             let known = AlongDirections::from_passes(&jets, n_probes)?;
             Ok(Moments::along(&self.inputs, &known)?)
         };
@@ -247,9 +280,9 @@ impl<'a, X: Experiment<D, N>, const D: usize, const N: usize> Study<'a, X, D, N>
     }
 }
 
-/// Different directions of signs, the first always `+`: all that there are, or as many as asked for.
-fn signs<const N: usize>(n: usize) -> Vec<[f64; N]> {
-    let n_different = if N == 0 { 0 } else { 1_usize << (N - 1).min(16) };
+/// Different directions of signs of the first parameters, the first always `+`: all that there are, or as many as asked for.
+fn signs<const N: usize>(n_parameters: usize, n: usize) -> Vec<[f64; N]> {
+    let n_different = if n_parameters == 0 { 0 } else { 1_usize << (n_parameters - 1).min(16) };
     // An odd step visits each of a power of two once; this one goes to and fro.
     let step = n_different / 2 + 1 - (n_different / 2) % 2;
     let pattern = |index: usize| (index * step + n_different / 3) % n_different;

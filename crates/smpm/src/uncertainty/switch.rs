@@ -2,8 +2,8 @@
 
 use perturbation_moments::{Jet, LANES};
 
-use crate::observation::{Located, Window};
-use crate::record::Witness;
+use crate::record::gathered::Witness;
+use crate::record::observation::{Located, Window};
 use crate::simulation::Simulation;
 
 /// How near the particles of a gauge came to a switch between elastic and plastic: the least `abs f / sd(f)`, with the trial

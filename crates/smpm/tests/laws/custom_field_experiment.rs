@@ -30,11 +30,11 @@ impl FieldExperiment<1> for Bar {
             }
             let young_modulus = exponent.exp() * 2.0;
             let (density, poisson_ratio) = (c(7.8), c(0.3));
-            LinearElasticSolid::linear_elastic(LinearElasticParameters {
+            Ok(LinearElasticSolid::linear_elastic(LinearElasticParameters {
                 density,
                 young_modulus,
                 poisson_ratio,
-            })
+            })?)
         };
         let fill = Fill::of([0.05], ([0.0], [4.0]), |_| true)?;
         let wall =
@@ -96,35 +96,21 @@ fn the_gradient_by_any_number_of_coefficients_is_that_of_differences() {
 }
 
 #[test]
-fn differences_are_the_gradient_and_few_directions_the_most_of_its_length() {
+fn differences_are_the_gradient() {
     let bar = Bar { n: 11 };
     let study = FieldStudy::new(&bar, plan(), None).unwrap();
     let gradient = study.gradient().unwrap().moments;
     let central = study.central_differences(1e-3, &study.units()).unwrap();
     let one_sided = study.forward_differences(1e-3, &study.units()).unwrap();
-    // The first three modes and two random directions.
-    let subspace = study.subspace_variance(1e-3, &study.units()[..3], (2, 5)).unwrap();
-    assert_eq!(subspace.n_runs, 6);
     for (response, series) in gradient.iter().enumerate() {
-        let (variance, scale) = (series.variance(), series.variance().sqrt());
+        let scale = series.variance().sqrt();
         for k in 0..11 {
             // Truncation: step^2, and half the step times the curvature.
             let error = |slope: f64| (slope - series.gradient[k]).abs() / scale;
             assert!(error(central[response][k][0]) < 5e-6, "{response} {k}");
             assert!(error(one_sided[response][k]) < 1e-3, "{response} {k}");
         }
-        let first: f64 = series.gradient[..3].iter().map(|g| g * g).sum();
-        let found = subspace.of_responses[response];
-        assert!((found.captured / first - 1.0).abs() < 2e-3, "{response}");
-        // Chi squared of two: within its standard error times four.
-        assert!(
-            (found.variance() - variance).abs()
-                < 4.0 * found.rest_standard_error.max(variance - first)
-        );
     }
-    // All directions leave nothing.
-    let all = study.subspace_variance(1e-3, &study.units(), (2, 5)).unwrap();
-    assert!(all.n_runs == 12 && all.of_responses.iter().all(|of| of.rest == 0.0));
     assert!(study.central_differences(0.0, &study.units()).is_err());
 }
 

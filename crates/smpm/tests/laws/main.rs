@@ -3,21 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
-mod adjoint;
 mod boundaries;
 mod contact;
 mod custom_field_experiment;
 mod custom_keep;
 mod custom_material;
 mod derivatives;
-mod equations_of_state;
 mod invariants;
-mod johnson_cook_point;
-mod materials;
 mod plate_impact;
-mod published;
-#[path = "../../../perturbation-moments/tests/responses/mod.rs"]
-mod responses;
 mod restart;
 mod uncertainty;
 mod varying;

@@ -9,7 +9,7 @@ use smpm::material::{
 use smpm::tensor::Symmetric;
 use smpm::{
     Body, BulkViscosity, Config, Contact, Error, Fault, Fill, Gauge, Place, Plan, Quantity, Shape,
-    Simulation, Stored, Transfer, UpdateOrder, Window,
+    Simulation, Stored, Transfer, Window,
 };
 
 const UNITS: Units = Units::CM_G_US;
@@ -98,11 +98,9 @@ fn goes_on_to_the_bit<S: Stored>(scale: S, change: impl Fn(&mut Config<2>) + Syn
 #[test]
 fn a_run_goes_on_from_a_snapshot_to_the_bit_on_any_number_of_threads() {
     goes_on_to_the_bit(1.0, |_| ());
+    goes_on_to_the_bit(1.0, |config| config.transfer = Transfer::Apic);
     goes_on_to_the_bit(1.0, |config| {
-        (config.transfer, config.update_order) = (Transfer::Apic, UpdateOrder::StressLast);
-    });
-    goes_on_to_the_bit(1.0, |config| {
-        (config.shape, config.update_order) = (Shape::Gimp, UpdateOrder::StressFirst);
+        config.shape = Shape::CubicBSpline;
         config.contact = Contact::Friction { coefficient: 0.2 };
     });
 }

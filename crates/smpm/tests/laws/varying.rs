@@ -5,7 +5,7 @@ use smpm::material::{
     Detonation, Fluid, JohnsonCook, Jwl, LinearElasticParameters, LinearElasticSolid, Material,
     MaterialFamily, MieGruneisen, Solid, Units, Varying, VonMises, library,
 };
-use smpm::{Body, Boundary, BoundaryKind, Config, Error, Fill, Side, Simulation};
+use smpm::{Body, Boundary, BoundaryKind, Config, Error, Fill, ParameterError, Side, Simulation};
 
 const UNITS: Units = Units::CM_G_US;
 
@@ -22,7 +22,7 @@ fn metal(yield_stress: f64) -> Result<Metal, Error> {
 
 fn elastic(young_modulus: f64, density: f64) -> Result<LinearElasticSolid<f64>, Error> {
     let parameters = LinearElasticParameters { density, young_modulus, poisson_ratio: 0.3 };
-    LinearElasticSolid::linear_elastic(parameters)
+    Ok(LinearElasticSolid::linear_elastic(parameters)?)
 }
 
 fn copper() -> Solid<MieGruneisen<f64>, VonMises<f64>> {
@@ -168,7 +168,8 @@ fn constants_that_cannot_be_are_refused_with_particle_place_and_limit() {
     let weak = |particle: usize, _: &[f64; 2]| metal(if particle == 21 { -0.001 } else { 0.008 });
     let error = Body::<f64, 2>::varying(weak, &box_of, [0.0; 2]).unwrap_err();
     let Error::AtParticle { particle: 21, place, reason } = &error else { panic!("{error}") };
-    assert!(matches!(**reason, Error::NotPositive { name: "a of Johnson-Cook", value: -0.001 }));
+    let expected = ParameterError::NotPositive { name: "a of Johnson-Cook", value: -0.001 };
+    assert_eq!(**reason, Error::Parameter(expected));
     assert!((place[0] - 0.075).abs() < 1e-15 && (place[1] - 0.075).abs() < 1e-15);
     let words = "particle 21 at [0.07500000000000001, 0.07500000000000001]: a of Johnson-Cook is -0.001; it must be greater than 0";
     assert_eq!(error.to_string(), words);

@@ -7,6 +7,7 @@ use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPreci
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
 use uq_estimators::{ControlledSamples, SampledMoments, Surrogate};
@@ -63,7 +64,7 @@ fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
     scene.times.truncate(1);
     context.progress("shock");
     let experiment = experiment::<1>(&scene)?;
-    let solved = Solved::<3>::of(&experiment, &scene, ladder(context))?;
+    let solved = Solved::of(&experiment, &scene, ladder(context))?;
     let truth = vec![shock.variance(strength)];
     let question = Question { responses: vec![0], truth, truth_error: 0.0 };
     let words = Words {
@@ -90,9 +91,9 @@ fn explosion(context: &Context<'_>, strength: f64) -> Result<Vec<Drawing>, CaseE
     scene.quantities = quantities.iter().map(|(name, ..)| (*name).to_owned()).collect();
     context.progress(&format!("explosion, coefficient of variation {strength}"));
     let experiment = experiment::<2>(&scene)?;
-    let solved = Solved::<5>::of(&experiment, &scene, ladder(context))?;
+    let solved = Solved::of(&experiment, &scene, ladder(context))?;
     let plan = scene.plan::<2>()?;
-    let study = Study::new(&experiment, scene.inputs::<5>()?, plan)?;
+    let study = Study::new(&experiment, scene.inputs()?, plan)?;
     let n_samples = if context.profile == Profile::Quick { 60 } else { 1000 };
     context.progress("explosion: reference samples");
     let judge = study.monte_carlo(MonteCarlo { seed: SEEDS[1], n_samples })?;
@@ -154,12 +155,12 @@ struct Single {
 }
 
 /// A scene solved by all methods.
-struct Solved<const N: usize> {
+struct Solved {
     singles: Vec<Single>,
     /// Taylor moments from differences: the control variate.
-    surrogate: Vec<Moments<N>>,
+    surrogate: Vec<Moments<MOST_RANDOM>>,
     /// Normals and responses of the successful samples.
-    samples: Vec<([f64; N], Vec<f64>)>,
+    samples: Vec<([f64; MOST_RANDOM], Vec<f64>)>,
     n_failed: usize,
     ladder: Vec<usize>,
     /// CPU time of the reference run, the differences, and a sample (s).
@@ -168,7 +169,7 @@ struct Solved<const N: usize> {
     sample_spread: f64,
 }
 
-impl<const N: usize> Solved<N> {
+impl Solved {
     fn of<const D: usize>(
         experiment: &SceneExperiment<D>,
         scene: &SmpmScene,
@@ -176,7 +177,7 @@ impl<const N: usize> Solved<N> {
     ) -> Result<Self, CaseError> {
         let (study, mean_run, _) = timed(LONG, || {
             let plan = scene.plan::<D>()?;
-            Ok(Study::<_, D, N>::new(experiment, scene.inputs::<N>()?, plan)?)
+            Ok(Study::new(experiment, scene.inputs()?, plan)?)
         })?;
         let mut singles = Vec::new();
         let mut add = |name, (variances, cost, spread): (Vec<f64>, f64, f64)| {
@@ -184,7 +185,7 @@ impl<const N: usize> Solved<N> {
             cost
         };
         let of_frozen = |form| {
-            let variance = |moments: &FrozenMoments<N>| {
+            let variance = |moments: &FrozenMoments<MOST_RANDOM>| {
                 moments.map_or(f64::NAN, |moments| moments.variance_first_order())
             };
             timed(LONG, || Ok(study.frozen(form)?.iter().map(variance).collect()))
@@ -192,8 +193,9 @@ impl<const N: usize> Solved<N> {
         add("frozen, as printed", of_frozen(FrozenForm::Printed)?);
         add("frozen, corrected", of_frozen(FrozenForm::Corrected)?);
         let (propagated, jets, spread) = timed(LONG, || Ok(study.propagated()?.moments))?;
-        let first_order =
-            |moments: &[Moments<N>]| moments.iter().map(Moments::variance_first_order).collect();
+        let first_order = |moments: &[Moments<MOST_RANDOM>]| {
+            moments.iter().map(Moments::variance_first_order).collect()
+        };
         add("propagated, by jets", (first_order(&propagated), jets, spread));
         let (surrogate, differences, spread) =
             timed(LONG, || Ok(study.finite_difference(DIFFERENCE)?))?;
@@ -215,7 +217,7 @@ impl<const N: usize> Solved<N> {
             let place = |third: u64| third * judged.n_samples / THIRDS as u64;
             let clock = CpuClock::start();
             for realisation in place(third)..place(third + 1) {
-                let t = judged.normals::<N>(realisation);
+                let t = judged.normals(realisation);
                 match study.run(&t) {
                     Ok(values) => samples.push((t, values)),
                     Err(_) => n_failed += 1,
@@ -240,7 +242,7 @@ impl<const N: usize> Solved<N> {
     fn sampled(
         &self,
         response: usize,
-        samples: &[([f64; N], Vec<f64>)],
+        samples: &[([f64; MOST_RANDOM], Vec<f64>)],
         is_controlled: bool,
     ) -> Result<SampledMoments, CaseError> {
         let surrogate = &self.surrogate[response];

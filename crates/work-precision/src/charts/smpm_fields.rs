@@ -66,24 +66,22 @@ struct Seen {
 }
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
-    let mut drawings = fields::<3>(context, &THICK)?;
-    drawings.extend(fields::<5>(context, &THIN)?);
+    let mut drawings = fields(context, &THICK)?;
+    drawings.extend(fields(context, &THIN)?);
     Ok(drawings)
 }
 
-/// Both moments of an example with `N` random parameters.
-fn fields<const N: usize>(
-    context: &Context<'_>,
-    example: &Example,
-) -> Result<Vec<Drawing>, CaseError> {
+/// Both moments of an example.
+fn fields(context: &Context<'_>, example: &Example) -> Result<Vec<Drawing>, CaseError> {
     let cell = if context.profile == Profile::Quick { 0.5 } else { 0.25 };
     let mut scene = example.problem.scene_with(COEFFICIENT_OF_VARIATION, &[TIME])?;
     scene.grid.cell = cell;
     context.progress(&format!("{}: run with derivatives", example.id));
     let experiment = experiment::<2>(&scene)?;
-    let study = Study::<_, 2, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<2>()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan::<2>()?)?;
     let mut seen = Vec::new();
-    let _ = study.propagated_seen(|_, run| seen = particles(run, example.quantity, N))?;
+    let _ = study
+        .propagated_seen(|_, run| seen = particles(run, example.quantity, scene.random.len()))?;
     let grid = Grid::new(cell, &seen);
     let draw = |k: usize, id: &str, word: &str| {
         let chart = Field {

@@ -1,11 +1,9 @@
-//! Stability limits of `smpm`: shock, explosion energy, cell crossing, numerical fracture, Taylor series.
+//! Stability limits of `smpm`: shock, numerical fracture, Taylor series.
 //!
-//! The shock sweeps cover step, viscosity, particles per cell, update order and shape function.
+//! The shock sweeps cover step, viscosity, particles per cell and shape function.
 
 mod breakdown;
-mod energy;
 mod fracture;
-mod plasticity;
 mod shock;
 
 use result_figures::Drawing;
@@ -15,7 +13,7 @@ use crate::draw::ChartKind;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "smpm",
-    title: "schemes of smpm: step, viscosity, particles, energy, cells crossed, gas that parts; Taylor series where they end",
+    title: "schemes of smpm: step, viscosity, particles, gas that parts; Taylor series where they end",
     draw,
 };
 
@@ -23,10 +21,6 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let is_quick = context.profile == Profile::Quick;
     context.progress("shock");
     let mut drawings = shock::maps(if is_quick { 4 } else { 8 })?;
-    context.progress("energy of an explosion");
-    drawings.push(energy::chart(if is_quick { 2 } else { 7 })?);
-    context.progress("plastic strain");
-    drawings.push(plasticity::chart(if is_quick { 14.0 } else { 30.0 })?);
     context.progress("gas that parts");
     drawings.push(fracture::chart()?);
     drawings.extend(breakdown::charts(context)?);

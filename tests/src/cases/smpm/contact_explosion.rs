@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use perturbation_moments::{Moments, MonteCarlo};
 use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::reading::MOST_RANDOM;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Propagated, Sampled, Study};
 use smpm::{Plan, Quantity};
 use work_precision::problems::smpm::problems::{Problem, experiment};
@@ -43,8 +44,8 @@ const LAST_SMOOTH: f64 = 12.0;
 /// A problem with its law, solved by jets, by the frozen formulas and by sampling.
 pub(crate) struct Solved {
     pub(crate) plan: Plan<2>,
-    pub(crate) propagated: Propagated<5>,
-    pub(crate) frozen: Vec<FrozenMoments<5>>,
+    pub(crate) propagated: Propagated<MOST_RANDOM>,
+    pub(crate) frozen: Vec<FrozenMoments<MOST_RANDOM>>,
     pub(crate) sampled: Sampled,
 }
 
@@ -53,9 +54,9 @@ fn study(
     experiment: &SceneExperiment<2>,
     problem: Problem,
     coefficient_of_variation: f64,
-) -> Result<Study<'_, SceneExperiment<2>, 2, 5>, CaseError> {
+) -> Result<Study<'_, SceneExperiment<2>, 2, MOST_RANDOM>, CaseError> {
     let scene = problem.scene_with(coefficient_of_variation, &TIMES)?;
-    let (inputs, plan) = (scene.inputs::<5>()?, scene.plan::<2>()?);
+    let (inputs, plan) = (scene.inputs()?, scene.plan::<2>()?);
     Ok(Study::new(experiment, inputs, plan)?)
 }
 

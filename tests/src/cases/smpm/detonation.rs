@@ -39,11 +39,8 @@ fn charge<S: Number>(cell: f64, slope: Option<S>) -> Result<Simulation<S, 1>, Ca
     let wall = Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
     // APIC takes 0.8 % of the energy at the front, whatever the cell: enough to miss the tangent of Chapman and Jouguet by 4 %.
     // Behind a shock in steel it is the one whose derivatives settle.
-    let (transfer, linear) = if slope.is_some() {
-        (Transfer::Apic, 1.0)
-    } else {
-        (Transfer::Flip { damping_time: f64::INFINITY }, 0.3)
-    };
+    let (transfer, linear) =
+        if slope.is_some() { (Transfer::Apic, 1.0) } else { (Transfer::Flip, 0.3) };
     let config = Config {
         boundaries: vec![wall],
         shape: Shape::CubicBSpline,

@@ -89,7 +89,7 @@ fn compare(
 /// The responses of the reference run.
 fn centre(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
     let experiment = experiment::<2>(scene)?;
-    let study = Study::<_, 2, 5>::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan::<2>()?)?;
     Ok(study.centre().to_vec())
 }
 
@@ -105,9 +105,8 @@ fn first_return(context: &Context<'_>) -> Result<Claim, CaseError> {
     });
     let way = ways.fold(f64::INFINITY, f64::min);
     let experiment = experiment::<2>(&scene)?;
-    let inputs = scene.inputs::<5>()?;
-    let mut run: Simulation<f64, 2> =
-        Experiment::<2, 5>::simulation(&experiment, &inputs.centre())?;
+    let inputs = scene.inputs()?;
+    let mut run: Simulation<f64, 2> = Experiment::simulation(&experiment, &inputs.centre())?;
     let mut fastest = 0.0_f64;
     while run.time() < LAST {
         let config = run.config();

@@ -21,7 +21,7 @@ fn bits(n_threads: usize) -> Result<[Vec<u64>; 2], CaseError> {
     pool.install(|| {
         let scene = Problem::ContactExplosion.scene_with(0.05, &[8.0])?;
         let experiment = experiment::<2>(&scene)?;
-        let study = Study::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+        let study = Study::new(&experiment, scene.inputs()?, scene.plan::<2>()?)?;
         let moments = study.propagated()?.moments;
         let slopes = moments.iter().flat_map(|moments| *moments.slopes());
         Ok([

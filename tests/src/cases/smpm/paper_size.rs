@@ -1,6 +1,7 @@
 //! The second example of Chen et al. 2019 with as many particles as there: the same values as the built-in scene, and its cost.
 
 use scenes::clock::CpuClock;
+use scenes::smpm::reading::MOST_RANDOM;
 use smpm::uncertainty::Study;
 use work_precision::problems::smpm::problems::experiment;
 use work_precision::problems::smpm::published::{scene_as_printed, widen};
@@ -33,14 +34,13 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut scene = small.clone();
     widen(&mut scene, HALF_LENGTH, HEIGHT);
     let of_small = experiment::<2>(&small)?;
-    let of_small =
-        Study::<_, 2, 5>::new(&of_small, small.inputs()?, small.plan()?)?.propagated()?;
+    let of_small = Study::new(&of_small, small.inputs()?, small.plan()?)?.propagated()?;
     let experiment = experiment::<2>(&scene)?;
     let n_particles = experiment.n_particles();
     context.progress("reference run");
-    let study = Study::<_, 2, 5>::new(&experiment, scene.inputs()?, scene.plan()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan()?)?;
     let start = CpuClock::start();
-    let _ = study.run(&[0.0; 5])?;
+    let _ = study.run(&[0.0; MOST_RANDOM])?;
     let of_one = start.seconds();
     context.progress("run with derivatives");
     let start = CpuClock::start();

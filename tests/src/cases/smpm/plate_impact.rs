@@ -1,5 +1,6 @@
 //! A plane shock: its state and the variance of its pressure, exact by the Hugoniot.
 
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
 use smpm::uncertainty::{FrozenForm, Study};
 use work_precision::problems::smpm::problems::{Problem, experiment};
@@ -53,7 +54,7 @@ fn scene(scheme: Scheme, particle_velocity: f64) -> Result<SmpmScene, CaseError>
     scene.bodies[0].velocity = vec![-particle_velocity];
     if let Scheme::Default = scheme {
         scene.scheme.shape = Some(ShapeScene::QuadraticBSpline);
-        scene.scheme.transfer = Some(TransferScene::Flip { damping_time: None });
+        scene.scheme.transfer = Some(TransferScene::Flip {});
         scene.scheme.viscosity = Some(ViscosityScene { quadratic: 1.5, linear: 0.06 });
     }
     // The front is between five and six centimetres of the eight, in the material.
@@ -98,9 +99,9 @@ fn errors_of_best(particle_velocity: f64) -> Result<[f64; 5], CaseError> {
     let scene = scene(Scheme::Best, particle_velocity)?;
     let (shock, pressure) = hugoniot(particle_velocity);
     let experiment = experiment::<1>(&scene)?;
-    let study = Study::new(&experiment, scene.inputs::<3>()?, scene.plan::<1>()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan::<1>()?)?;
     let density = DENSITY * shock / (shock - particle_velocity);
-    let share = |moments: &perturbation_moments::Moments<3>| {
+    let share = |moments: &perturbation_moments::Moments<MOST_RANDOM>| {
         moments.importance_factors().map(|share| share[0] * moments.variance_first_order())
     };
     let deviation = 0.05 * SLOPE;
@@ -154,7 +155,7 @@ fn errors_of_default(particle_velocity: f64) -> Result<[f64; 2], CaseError> {
     let scene = scene(Scheme::Default, particle_velocity)?;
     let (_, pressure) = hugoniot(particle_velocity);
     let experiment = experiment::<1>(&scene)?;
-    let study = Study::new(&experiment, scene.inputs::<3>()?, scene.plan::<1>()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan::<1>()?)?;
     let moments = study.propagated()?.moments[0];
     let slope = (moments.importance_factors()?[0] * moments.variance_first_order()).sqrt();
     let exact = DENSITY * particle_velocity * particle_velocity;
@@ -188,8 +189,8 @@ fn claims_of_default(
 fn ripple(scene: &SmpmScene, pressure: f64) -> Result<f64, CaseError> {
     use smpm::uncertainty::Experiment;
     let experiment = experiment::<1>(scene)?;
-    let centre = scene.inputs::<3>()?.centre();
-    let mut run = Experiment::<1, 3>::simulation::<f64>(&experiment, &centre)?;
+    let centre = scene.inputs()?.centre();
+    let mut run = Experiment::simulation::<f64>(&experiment, &centre)?;
     let starts: Vec<f64> = run.bodies()[0].positions().iter().map(|x| x[0]).collect();
     let TimeScene::At(time) = scene.times[1] else { return Err("no instant".into()) };
     run.advance_to(time)?;

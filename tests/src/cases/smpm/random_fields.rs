@@ -12,7 +12,6 @@ use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
 use crate::report::Claim;
 
 pub(crate) const COLUMN: Case = Case {
@@ -250,84 +249,6 @@ fn plate(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             of.mean[0],
             0.001,
             "statistics: the samples' own error",
-        ));
-    }
-    claims.extend(few_runs(context, &study, &experiment, &sampled, &gradient.moments)?);
-    claims.extend(reversed(context, &study, &sampled, &gradient.moments)?);
-    Ok(claims)
-}
-
-/// The gradients at H by one reversed run for all terms: those of jets, and the variance of the samples.
-fn reversed(
-    context: &Context<'_>,
-    study: &FieldStudy<'_, SceneExperiment<2>, 2>,
-    sampled: &Sampled,
-    series: &[FieldMoments],
-) -> Result<Vec<Claim>, CaseError> {
-    const MEMORY: usize = 1 << 28;
-    context.progress("a reversed run");
-    let responses: Vec<usize> =
-        (1..=3).map(|window| response_of(study.plan(), "H", 0, window)).collect();
-    let found = study.gradient_by_adjoint(&responses, MEMORY)?;
-    let (mut apart, mut off) = (Worst::of_errors(), Worst::of_errors());
-    for (place, (&response, time)) in responses.iter().zip(["8", "10", "12"]).enumerate() {
-        let jets = &series[response].gradient;
-        let length = jets.iter().map(|g| g * g).sum::<f64>().sqrt();
-        for (a, b) in found.gradients[place].iter().zip(jets) {
-            apart.take((a - b) / length, &format!("{time} us"));
-        }
-        let judge = sampled.controlled_by_fields(response, &series[response])?.variance;
-        off.take(found.variance(place) / judge.value - 1.0, &format!("{time} us"));
-    }
-    let line =
-        |worst: &Worst, method: &str| Lines { context, id: "", method: worst.method(method) };
-    Ok(vec![
-        line(&apart, "one reversed run against jets, eight terms a run").bounded(
-            ("reversed/gradient", "difference of gradients at H over their length", ""),
-            apart.value(),
-            3e-15,
-            "roundoff of 43 steps",
-        ),
-        line(&off, "one reversed run for 100 terms and three responses").bounded(
-            ("reversed/variance", "relative error of the first-order variance of sigma_y at H", ""),
-            off.value(),
-            0.001,
-            "2 % is asked; statistics: four standard errors of the samples, 2e-4 each",
-        ),
-    ])
-}
-
-/// The variance at H from slopes along the modes at sixteen places of the plate and three random directions: twenty runs.
-fn few_runs(
-    context: &Context<'_>,
-    study: &FieldStudy<'_, SceneExperiment<2>, 2>,
-    experiment: &SceneExperiment<2>,
-    sampled: &Sampled,
-    series: &[FieldMoments],
-) -> Result<Vec<Claim>, CaseError> {
-    const PLATE: usize = 1;
-    let around = [4.25, 5.0, 5.75]
-        .into_iter()
-        .flat_map(|x| [0.1, 1.0, 2.0, 3.5, 6.0].into_iter().map(move |y| [x, y]));
-    let places = std::iter::once([4.5, 0.0]).chain(around);
-    let directions: Vec<Vec<f64>> =
-        places.map(|place| experiment.modes_near(PLATE, &place)).collect();
-    let found = study.subspace_variance(0.01, &directions, (3, SEED))?;
-    let method = format!("slopes along modes at places and random ones, {} runs", found.n_runs);
-    let lines = Lines { context, id: "", method };
-    let mut claims = Vec::new();
-    for (window, time) in [(1, "8"), (2, "10"), (3, "12")] {
-        let response = response_of(study.plan(), "H", 0, window);
-        let judge = sampled.controlled_by_fields(response, &series[response])?.variance;
-        claims.push(lines.bounded(
-            (
-                &format!("few-runs/{time}"),
-                &format!("relative error of the variance of sigma_y at H by few runs, {time} us"),
-                "",
-            ),
-            found.of_responses[response].variance() / judge.value - 1.0,
-            0.002,
-            "statistics: the rest by three random directions, and the samples' own error",
         ));
     }
     Ok(claims)

@@ -32,8 +32,8 @@ fn at(cell: f64) -> Result<f64, CaseError> {
     scene.gauges.retain(|gauge| gauge.name == "H");
     scene.quantities = vec!["flow_stress".to_owned()];
     let run = experiment::<2>(&scene)?;
-    let centre = scene.inputs::<5>()?.centre();
-    let record = Experiment::<2, 5>::simulation::<f64>(&run, &centre)?.record(&scene.plan()?)?;
+    let centre = scene.inputs()?.centre();
+    let record = Experiment::simulation::<f64>(&run, &centre)?.record(&scene.plan()?)?;
     Ok(*record.values.first().ok_or("no value was recorded")?)
 }
 

@@ -1,5 +1,7 @@
 //! Explosion with random steel at Sobol' points: variance by few runs, and which constant causes it.
 
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::reading::MOST_RANDOM;
 use smpm::Plan;
 use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Estimate, PolynomialMoments, Sampling, SobolIndices, UnitCube};
@@ -33,8 +35,8 @@ fn cube(n_points: u64, seed: u64) -> UnitCube {
 }
 
 /// Polynomials of each response at Sobol' points.
-fn fitted<X: smpm::uncertainty::Experiment<2, 5>>(
-    study: &Study<'_, X, 2, 5>,
+fn fitted(
+    study: &Study<'_, SceneExperiment<2>, 2, MOST_RANDOM>,
     cube: UnitCube,
 ) -> Result<Vec<PolynomialMoments>, CaseError> {
     let sampled = study.sampled(Design::QuasiRandom(cube))?;
@@ -51,7 +53,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut scene = Problem::ContactExplosion.scene_with(STRENGTH, &TIMES)?;
     scene.quantities = vec!["flow_stress".to_owned(), "deviator_11".to_owned()];
     let experiment = experiment::<2>(&scene)?;
-    let study = Study::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan::<2>()?)?;
     context.progress("four times 128 runs");
     let few = SEEDS.map(|seed| fitted(&study, cube(16, seed)));
     let few = few.into_iter().collect::<Result<Vec<_>, _>>()?;

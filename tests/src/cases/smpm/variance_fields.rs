@@ -59,7 +59,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     scene.gauges = POINTS.iter().map(gauge).collect();
     scene.quantities = QUANTITIES.map(|(quantity, ..)| quantity.to_owned()).to_vec();
     let experiment = experiment::<2>(&scene)?;
-    let study = Study::<_, 2, 5>::new(&experiment, scene.inputs()?, scene.plan()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan()?)?;
     context.progress("derivatives");
     let propagated = study.propagated()?;
     let n_samples = if context.profile == Profile::Full { 1000 } else { 250 };

@@ -1,6 +1,6 @@
 //! Methods of a scene with random fields.
 
-use perturbation_moments::{LANES, MonteCarlo};
+use perturbation_moments::MonteCarlo;
 use smpm::uncertainty::{Design, FieldMoments, FieldStudy, Switch};
 use smpm::{Error, Plan};
 
@@ -13,8 +13,6 @@ use crate::kind::{Run, RunError};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::method_scene::MethodScene;
 use crate::smpm::scene::SmpmScene;
-
-const BYTES_OF_A_MEGABYTE: u64 = 1_000_000;
 
 /// Sample whose fields are written for ParaView.
 const SHOWN: u64 = 0;
@@ -119,14 +117,6 @@ fn expanded<const D: usize>(
     // Without curvature the mean is that of first order.
     let flat = |slopes: Vec<f64>| slopes.into_iter().map(|slope| [slope, 0.0]).collect();
     Ok(match method {
-        MethodScene::Adjoint { memory } => {
-            let responses: Vec<usize> = (0..study.plan().n_responses()).collect();
-            let bytes = usize::try_from(u64::from(memory) * BYTES_OF_A_MEGABYTE);
-            let found = study.gradient_by_adjoint(&responses, bytes.unwrap_or(usize::MAX))?;
-            // One forward, one reversed for every eight responses.
-            let n_runs = 1 + responses.len().div_ceil(LANES) as u64;
-            (series(found.gradients.into_iter().map(flat).collect()), Vec::new(), n_runs)
-        }
         MethodScene::FiniteDifference { step } => {
             (series(study.central_differences(step, &units)?), Vec::new(), 2 * n)
         }

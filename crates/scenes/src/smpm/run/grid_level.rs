@@ -1,11 +1,12 @@
 //! A scene on grids of doubling cells, as the levels of a multilevel estimate.
 
-use perturbation_moments::MonteCarlo;
+use perturbation_moments::{MonteCarlo, RandomVector};
 use smpm::uncertainty::{Experiment, FieldExperiment, FieldStudy, Keep, Study};
 use smpm::{Error, Plan};
 use uq_estimators::{Failure, Ladder, Pair};
 
 use crate::smpm::experiment::SceneExperiment;
+use crate::smpm::reading::MOST_RANDOM;
 use crate::smpm::scene::SmpmScene;
 
 /// A run as a function of the number of its random input.
@@ -79,7 +80,7 @@ pub(super) fn for_coarser_grids<const D: usize>(
     plan: &Plan<D>,
 ) -> Result<Plan<D>, Error> {
     if scene.random_fields.is_empty() {
-        let centre = inputs::<8>(scene)?.centre();
+        let centre = inputs(scene)?.centre();
         plan.interpolated(&Experiment::simulation(experiment, &centre)?)
     } else {
         let centre = vec![0.0; experiment.n_coefficients()];
@@ -95,11 +96,10 @@ pub(super) fn on_grid<'a, const D: usize>(
     seed: u64,
     keep: Option<&'a dyn Keep>,
 ) -> Result<Level<'a>, Error> {
-    let (n_steps, centre, run) = match scene.random.len() {
-        _ if !scene.random_fields.is_empty() => of_fields(experiment, plan, seed, keep)?,
-        0..=3 => of_parameters::<D, 3>(scene, experiment, plan, seed, keep)?,
-        4 | 5 => of_parameters::<D, 5>(scene, experiment, plan, seed, keep)?,
-        _ => of_parameters::<D, 8>(scene, experiment, plan, seed, keep)?,
+    let (n_steps, centre, run) = if scene.random_fields.is_empty() {
+        of_parameters(scene, experiment, plan, seed, keep)?
+    } else {
+        of_fields(experiment, plan, seed, keep)?
     };
     let (cell, n_particles) = (scene.grid.cell, experiment.n_particles());
     Ok(Level { cell, n_particles, n_steps, centre, run })
@@ -119,27 +119,24 @@ fn of_fields<'a, const D: usize>(
     Ok((n_steps, centre, Box::new(move |k| study.run(&study.coefficients(seed, k)))))
 }
 
-fn of_parameters<'a, const D: usize, const N: usize>(
+fn of_parameters<'a, const D: usize>(
     scene: &SmpmScene,
     experiment: &'a SceneExperiment<D>,
     plan: &Plan<D>,
     seed: u64,
     keep: Option<&'a dyn Keep>,
 ) -> Result<Begun<'a>, Error> {
-    let inputs = inputs::<N>(scene)?;
+    let inputs = inputs(scene)?;
     let study = match keep {
-        Some(keep) => Study::<_, D, N>::kept_by(experiment, inputs, plan.clone(), keep)?,
-        None => Study::<_, D, N>::new(experiment, inputs, plan.clone())?,
+        Some(keep) => Study::kept_by(experiment, inputs, plan.clone(), keep)?,
+        None => Study::new(experiment, inputs, plan.clone())?,
     };
     let judge = MonteCarlo { seed, n_samples: 0 };
     let (n_steps, centre) = (study.schedule().n_steps(), study.centre().to_vec());
-    Ok((n_steps, centre, Box::new(move |k| study.run(&judge.normals::<N>(k)))))
+    Ok((n_steps, centre, Box::new(move |k| study.run(&judge.normals(k)))))
 }
 
-/// The distribution of `N` parameters; those beyond the scene's are certain.
-fn inputs<const N: usize>(
-    scene: &SmpmScene,
-) -> Result<perturbation_moments::RandomVector<N>, Error> {
-    // The check of the scene has built these inputs with more certain parameters.
-    scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })
+fn inputs(scene: &SmpmScene) -> Result<RandomVector<MOST_RANDOM>, Error> {
+    // The check of the scene has built them.
+    scene.inputs().map_err(|_| Error::EmptyPlan { what: "parameters" })
 }

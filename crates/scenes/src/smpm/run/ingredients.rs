@@ -3,7 +3,7 @@
 use crate::models::Ingredient;
 use crate::models::edit::{changed, ingredient, replace};
 use crate::smpm::material_scene::MaterialScene;
-use crate::smpm::scene::{OrderScene, ShapeScene, SmpmScene, ViscosityScene};
+use crate::smpm::scene::{SmpmScene, ViscosityScene};
 
 /// Single random parameters, strength models, tension limits, and each refinement of the scheme.
 pub(super) fn ingredients(scene: &SmpmScene) -> Vec<Ingredient> {
@@ -37,15 +37,9 @@ pub(super) fn ingredients(scene: &SmpmScene) -> Vec<Ingredient> {
     }
     let without =
         |name: &str, change: fn(&mut SmpmScene) -> bool| ingredient(name, changed(scene, change));
-    all.push(without("smooth shape functions", |scene| {
-        replace(&mut scene.scheme.shape, Some(ShapeScene::Linear))
-    }));
     all.push(without("bulk viscosity", |scene| {
         let none = ViscosityScene { quadratic: 0.0, linear: 0.0 };
         replace(&mut scene.scheme.viscosity, Some(none))
-    }));
-    all.push(without("the second transfer of momentum", |scene| {
-        replace(&mut scene.scheme.update_order, Some(OrderScene::StressLast))
     }));
     all.into_iter().flatten().collect()
 }
@@ -83,7 +77,7 @@ mod tests {
         assert!(names.contains(&"the limit of tension of water"), "{names:?}");
         // The strength of the steel is random here.
         assert!(!names.contains(&"the strength of steel"), "{names:?}");
-        assert!(names.contains(&"smooth shape functions"), "{names:?}");
+        assert!(names.contains(&"bulk viscosity"), "{names:?}");
         for Ingredient { name, scene, .. } in all {
             let file = SceneFile::from_text(&name, Value::Object(scene).to_string()).unwrap();
             file.parse::<SmpmScene>().unwrap_or_else(|error| panic!("without {name}: {error:?}"));

@@ -32,7 +32,6 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
                 "one-sided differences of whole runs",
                 MethodScene::ForwardDifference { step: ONE_SIDED },
             ),
-            ("derivatives of a reversed run", MethodScene::adjoint()),
             ("sigma points", MethodScene::SigmaPoints),
             ("derivatives at the local state", MethodScene::Frozen { as_printed: false }),
             (
@@ -48,11 +47,7 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
             methods.push(("multilevel Monte Carlo", MethodScene::Multilevel(method)));
         }
     }
-    if scene.random_fields.is_empty() {
-        methods.retain(|(_, method)| !matches!(method, MethodScene::Adjoint { .. }));
-    } else {
-        methods.retain(|(_, method)| scene.has_for_fields(*method));
-    }
+    methods.retain(|(_, method)| scene.has_for_fields(*method));
     if let Some(own) = methods.iter_mut().find(|(_, method)| is_alike(method, &scene.method)) {
         // With the scene's own step or seed.
         own.1 = scene.method;

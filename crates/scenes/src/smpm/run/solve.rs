@@ -16,6 +16,7 @@ use crate::kind::{Inputs, Part, Run, RunError};
 use crate::scene::Objection;
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::method_scene::MethodScene;
+use crate::smpm::reading::MOST_RANDOM;
 use crate::smpm::scene::SmpmScene;
 
 /// Keys that do not affect a run up to the first differing time, which the stored state records.
@@ -49,8 +50,8 @@ pub(super) struct Answer {
     pub(super) multilevel: Option<MultilevelRecord>,
 }
 
-/// Runs the method of a scene with the distribution of `N` parameters; those beyond the scene's are certain.
-pub(super) fn solve<'a, const D: usize, const N: usize>(
+/// Runs the method of a scene with random parameters.
+pub(super) fn solve<'a, const D: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
@@ -59,7 +60,7 @@ pub(super) fn solve<'a, const D: usize, const N: usize>(
 ) -> Result<Solved, SolveError> {
     let kept = KeptRuns::new(checkpoint(scene, run)?, run);
     fields.resume(kept.checkpoint).map_err(RunError::from)?;
-    let solved = solve_kept::<D, N>(scene, experiment, plan, fields, run, &kept);
+    let solved = solve_kept(scene, experiment, plan, fields, run, &kept);
     // The study knows only that it was not kept.
     kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure)))
 }
@@ -80,7 +81,7 @@ pub(super) fn checkpoint<'a>(
 }
 
 /// Solves the scene with runs that resume from stored ones.
-fn solve_kept<const D: usize, const N: usize>(
+fn solve_kept<const D: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
@@ -90,10 +91,9 @@ fn solve_kept<const D: usize, const N: usize>(
 ) -> Result<Solved, SolveError> {
     // A file that is no shard of this scene is rejected before any run.
     let shards = shards(scene, plan, run)?;
-    // The check of the scene has built these inputs with more certain parameters.
-    let inputs = scene.inputs::<N>().map_err(|_| Error::EmptyPlan { what: "parameters" })?;
+    let inputs = scene.inputs()?;
     run.progress.stage("reference run");
-    let study = Study::<_, D, N>::kept_by(experiment, inputs, plan.clone(), kept)?;
+    let study = Study::kept_by(experiment, inputs, plan.clone(), kept)?;
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
     let differences = 2 * scene.random.len() as u64;
@@ -134,10 +134,10 @@ fn solve_kept<const D: usize, const N: usize>(
 }
 
 /// Responses from samples: with a Taylor series or a fitted polynomial as control variate, with Sobol' indices, or as they are.
-fn of_samples<const D: usize, const N: usize>(
+fn of_samples<const D: usize>(
     table: &Table<'_, D>,
     sampled: &Sampled,
-    surrogates: &[Moments<N>],
+    surrogates: &[Moments<MOST_RANDOM>],
 ) -> Result<Vec<Response>, Error> {
     let polynomial = match table.scene.method {
         MethodScene::QuasiMonteCarlo { control: true, .. } => Some(sampled.polynomial_control()?),
@@ -165,8 +165,8 @@ fn of_samples<const D: usize, const N: usize>(
 }
 
 /// Responses by a method without samples, and its number of runs besides the reference run.
-fn expanded<const D: usize, const N: usize>(
-    study: &Study<'_, SceneExperiment<D>, D, N>,
+fn expanded<const D: usize>(
+    study: &Study<'_, SceneExperiment<D>, D, MOST_RANDOM>,
     table: &Table<'_, D>,
     fields: &mut Fields<'_>,
     run: &Run<'_>,
@@ -176,8 +176,7 @@ fn expanded<const D: usize, const N: usize>(
         | MethodScene::MonteCarlo { .. }
         | MethodScene::QuasiMonteCarlo { .. }
         | MethodScene::SobolIndices { .. }
-        | MethodScene::Multilevel(_)
-        | MethodScene::Adjoint { .. } => {
+        | MethodScene::Multilevel(_) => {
             fields.of_numbers(study)?;
             (table.each(|_, response| Ok(response))?, 0)
         }

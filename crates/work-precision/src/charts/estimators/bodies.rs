@@ -3,6 +3,7 @@
 use perturbation_moments::MonteCarlo;
 use result_figures::{Drawing, Words};
 use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Sampling, UnitCube};
@@ -57,7 +58,7 @@ fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
         n_seeds: 8,
         most_points: 32,
     };
-    chart::<1, 3>(context, &scene, question)
+    chart::<1>(context, &scene, question)
 }
 
 fn explosion(context: &Context<'_>) -> Result<Drawing, CaseError> {
@@ -74,17 +75,17 @@ fn explosion(context: &Context<'_>) -> Result<Drawing, CaseError> {
         n_seeds: 4,
         most_points: 32,
     };
-    chart::<2, 5>(context, &scene, question)
+    chart::<2>(context, &scene, question)
 }
 
 /// A study with the reference variance of each response.
-struct Compared<'a, const D: usize, const N: usize> {
-    study: Study<'a, SceneExperiment<D>, D, N>,
+struct Compared<'a, const D: usize> {
+    study: Study<'a, SceneExperiment<D>, D, MOST_RANDOM>,
     dimension: usize,
     truth: Vec<f64>,
 }
 
-impl<const D: usize, const N: usize> Compared<'_, D, N> {
+impl<const D: usize> Compared<'_, D> {
     const fn cube(&self, n_points: u64, n_replicas: u64, seed: u64) -> UnitCube {
         let (dimension, sampling) = (self.dimension, Sampling::ScrambledSobol);
         UnitCube { dimension, sampling, seed, n_points, n_replicas }
@@ -144,14 +145,14 @@ impl<const D: usize, const N: usize> Compared<'_, D, N> {
     }
 }
 
-fn chart<const D: usize, const N: usize>(
+fn chart<const D: usize>(
     context: &Context<'_>,
     scene: &SmpmScene,
     question: Question<'_>,
 ) -> Result<Drawing, CaseError> {
     context.progress(question.name);
     let experiment = experiment::<D>(scene)?;
-    let study = Study::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
+    let study = Study::new(&experiment, scene.inputs()?, scene.plan::<D>()?)?;
     let mut compared = Compared { study, dimension: scene.random.len(), truth: Vec::new() };
     let is_quick = context.profile == Profile::Quick;
     let (truth, truth_error) = match question.truth {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use perturbation_moments::{Estimate, Moments, MonteCarlo};
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{BoundaryKindScene, BoundaryScene, SideScene, SmpmScene, SolidScene};
 use serde::Deserialize;
 use smpm::uncertainty::{FrozenForm, Sampled, Study};
@@ -129,9 +130,9 @@ pub struct Solved {
     /// What was observed.
     pub plan: Plan<2>,
     /// Taylor moments by [`FrozenForm::Corrected`].
-    pub frozen: Vec<Moments<5>>,
+    pub frozen: Vec<Moments<MOST_RANDOM>>,
     /// Taylor moments by derivatives of the whole run.
-    pub propagated: Vec<Moments<5>>,
+    pub propagated: Vec<Moments<MOST_RANDOM>>,
     /// Whole runs.
     pub sampled: Sampled,
 }
@@ -151,7 +152,7 @@ impl Solved {
     ) -> Result<Self, CaseError> {
         let scene = scene_as_printed(coefficient_of_variation, times)?;
         let experiment = experiment::<2>(&scene)?;
-        let study = Study::new(&experiment, scene.inputs::<5>()?, scene.plan::<2>()?)?;
+        let study = Study::new(&experiment, scene.inputs()?, scene.plan::<2>()?)?;
         let frozen = study.frozen(FrozenForm::Corrected)?.into_iter().flatten().collect();
         let propagated = study.propagated()?.moments;
         let sampled = study.monte_carlo(MonteCarlo { seed: 2019, n_samples })?;
@@ -185,7 +186,7 @@ impl Solved {
 ///
 /// # Errors
 /// A mean without second derivatives.
-pub fn by_series(moments: &Moments<5>) -> Result<MeanAndVariance, CaseError> {
+pub fn by_series(moments: &Moments<MOST_RANDOM>) -> Result<MeanAndVariance, CaseError> {
     Ok([(moments.mean_second_order()?, 0.0), (moments.variance_first_order(), 0.0)])
 }
 

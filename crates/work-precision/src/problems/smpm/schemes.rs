@@ -2,40 +2,29 @@
 
 use perturbation_moments::Moments;
 use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{
-    OrderScene, SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
+    SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
 };
+use smpm::Simulation;
 use smpm::uncertainty::{Experiment, Study};
-use smpm::{Quantity, Simulation};
 
 use super::problems::{Problem, experiment};
 use crate::context::CaseError;
 use crate::stability::Work;
 
 /// Shape functions with their names.
-pub const SHAPES: [(ShapeScene, &str); 4] = [
-    (ShapeScene::Linear, "linear"),
-    (ShapeScene::Gimp, "GIMP"),
-    (ShapeScene::QuadraticBSpline, "quadratic"),
-    (ShapeScene::CubicBSpline, "cubic"),
-];
+pub const SHAPES: [(ShapeScene, &str); 2] =
+    [(ShapeScene::QuadraticBSpline, "quadratic"), (ShapeScene::CubicBSpline, "cubic")];
 
-/// Update orders with their names.
-pub const ORDERS: [(OrderScene, &str); 3] = [
-    (OrderScene::StressFirst, "USF"),
-    (OrderScene::StressLast, "USL"),
-    (OrderScene::ModifiedStressLast, "MUSL"),
-];
+/// FLIP.
+pub const FLIP: TransferScene = TransferScene::Flip {};
 
-/// FLIP alone.
-pub const FLIP: TransferScene = TransferScene::Flip { damping_time: None };
-
-/// A scheme: modified stress last, the bulk viscosity 1.5 and a linear one, the usual Courant number.
+/// A scheme: the bulk viscosity 1.5 and a linear one, the usual Courant number.
 #[must_use]
 pub fn scheme(shape: ShapeScene, transfer: TransferScene, linear: f64) -> SchemeScene {
     SchemeScene {
         shape: Some(shape),
-        update_order: None,
         transfer: Some(transfer),
         viscosity: Some(ViscosityScene { quadratic: 1.5, linear }),
         courant_number: None,
@@ -113,7 +102,7 @@ impl Shock {
     /// Those of a scene and of a run.
     pub fn behind(self, scene: &SmpmScene, work: &mut Work) -> Result<Behind, CaseError> {
         let experiment = experiment::<1>(scene)?;
-        let mut run = at_centre::<1, 3>(&experiment, scene)?;
+        let mut run = at_centre(&experiment, scene)?;
         let is_wake = |x: &[f64; 1]| (0.5..3.0).contains(&x[0]);
         let starts = run.bodies()[0].positions();
         let wake: Vec<usize> = (0..starts.len()).filter(|&p| is_wake(&starts[p])).collect();
@@ -136,10 +125,11 @@ impl Shock {
     /// Those of a scene and of a run.
     pub fn slopes(self, scene: &SmpmScene) -> Result<[f64; 2], CaseError> {
         let experiment = experiment::<1>(scene)?;
-        let study = Study::new(&experiment, scene.inputs::<3>()?, scene.plan::<1>()?)?;
+        let study = Study::new(&experiment, scene.inputs()?, scene.plan::<1>()?)?;
         let deviation = scene.random[0].coefficient_of_variation * Self::STEEL[2];
-        let ratio =
-            |moments: &Moments<3>| moments.slopes()[0] / (deviation * self.pressure_by_slope());
+        let ratio = |moments: &Moments<MOST_RANDOM>| {
+            moments.slopes()[0] / (deviation * self.pressure_by_slope())
+        };
         let moments = study.propagated()?.moments;
         Ok([ratio(&moments[0]), ratio(&moments[1])])
     }
@@ -149,12 +139,12 @@ impl Shock {
 ///
 /// # Errors
 /// Those of a scene.
-pub fn at_centre<const D: usize, const N: usize>(
+pub fn at_centre<const D: usize>(
     experiment: &SceneExperiment<D>,
     scene: &SmpmScene,
 ) -> Result<Simulation<f64, D>, CaseError> {
-    let centre = scene.inputs::<N>()?.centre();
-    Ok(Experiment::<D, N>::simulation(experiment, &centre)?)
+    let centre = scene.inputs()?.centre();
+    Ok(Experiment::simulation(experiment, &centre)?)
 }
 
 /// Kinetic and internal energy.
@@ -190,42 +180,11 @@ impl Explosion {
     /// # Errors
     /// Those of a run.
     pub fn energy_change(&self, time: f64, work: &mut Work) -> Result<f64, CaseError> {
-        let mut run = at_centre::<2, 5>(&self.experiment, &self.scene)?;
+        let mut run = at_centre(&self.experiment, &self.scene)?;
         let before = energy(&run);
         let outcome = run.advance_to(time);
         work.spend(run.n_steps())?;
         outcome?;
         Ok(energy(&run) / before - 1.0)
-    }
-
-    /// The plastic strain of the plate at gauge H at each of some times, until the run ends; and why it did.
-    ///
-    /// # Errors
-    /// Those of a scene.
-    pub fn plastic_strain(
-        &self,
-        times: &[f64],
-    ) -> Result<(Vec<f64>, Option<smpm::Error>), CaseError> {
-        let mut run = at_centre::<2, 5>(&self.experiment, &self.scene)?;
-        let [x, y] = [4.5, 0.0];
-        let plate = &run.bodies()[1];
-        let distance = |place: &[f64; 2]| (place[0] - x).hypot(place[1] - y);
-        let least = plate.positions().iter().map(distance).fold(f64::INFINITY, f64::min);
-        let nearest: Vec<usize> = (0..plate.n_particles())
-            .filter(|&p| distance(&plate.positions()[p]) < least * (1.0 + 1e-9))
-            .collect();
-        let mut strains = Vec::new();
-        for &time in times {
-            if let Err(error) = run.advance_to(time) {
-                return Ok((strains, Some(error)));
-            }
-            let plate = &run.bodies()[1];
-            let mut sum = 0.0;
-            for &particle in &nearest {
-                sum += Quantity::PlasticStrain.of(plate, particle)?;
-            }
-            strains.push(sum / nearest.len() as f64);
-        }
-        Ok((strains, None))
     }
 }

@@ -5,6 +5,7 @@ use result_figures::{
     Drawing, Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
     TimeSeries, Words, WorkPrecision,
 };
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 use smpm::Error;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
@@ -139,13 +140,13 @@ impl Judged {
     }
 
     /// Solves for one coefficient of variation of all parameters.
-    fn of<const D: usize, const N: usize>(
+    fn of<const D: usize>(
         scene: &SmpmScene,
         strength: f64,
         n_samples: u64,
     ) -> Result<Self, CaseError> {
         let experiment = experiment::<D>(scene)?;
-        let study = Study::<_, D, N>::new(&experiment, scene.inputs::<N>()?, scene.plan::<D>()?)?;
+        let study = Study::new(&experiment, scene.inputs()?, scene.plan::<D>()?)?;
         let propagated = study.propagated()?;
         let sampled = study.monte_carlo(MonteCarlo { seed: 2020, n_samples })?;
         let plan = study.plan();
@@ -165,13 +166,14 @@ impl Judged {
         let against = |variances: Vec<f64>| -> Vec<f64> {
             variances.iter().zip(&variance).map(|(found, truth)| found / truth - 1.0).collect()
         };
-        let taylor =
-            |moments: &[Moments<N>]| moments.iter().map(Moments::variance_first_order).collect();
+        let taylor = |moments: &[Moments<MOST_RANDOM>]| {
+            moments.iter().map(Moments::variance_first_order).collect()
+        };
         let judged = |variances: Result<Vec<f64>, Error>| {
             variances.map(against).map_err(|error| error.to_string())
         };
         let frozen = study.frozen(FrozenForm::Corrected).map(|all| {
-            let of = |moments: &FrozenMoments<N>| {
+            let of = |moments: &FrozenMoments<MOST_RANDOM>| {
                 moments.map_or(f64::NAN, |moments| moments.variance_first_order())
             };
             all.iter().map(of).collect()
@@ -182,7 +184,7 @@ impl Judged {
             judged(study.finite_difference(DIFFERENCE).map(|moments| taylor(&moments))),
             judged(study.sigma_points().map(|all| all.iter().map(SigmaPoints::variance).collect())),
         ];
-        let indicator = |(moments, switch): (&Moments<N>, &Switch)| {
+        let indicator = |(moments, switch): (&Moments<MOST_RANDOM>, &Switch)| {
             let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
             (curvature.map_or(f64::NAN, f64::sqrt), switch.at_end)
         };
@@ -231,8 +233,8 @@ pub(super) fn charts(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
             context.progress(&format!("Taylor series, {:?} at {strength}", look.problem));
             let scene = look.scene(strength)?;
             judged.push(match scene.dimension {
-                1 => Judged::of::<1, 3>(&scene, strength, n_samples)?,
-                _ => Judged::of::<2, 5>(&scene, strength, n_samples)?,
+                1 => Judged::of::<1>(&scene, strength, n_samples)?,
+                _ => Judged::of::<2>(&scene, strength, n_samples)?,
             });
         }
         for &(name, words, gauge, quantity, time) in look.at {

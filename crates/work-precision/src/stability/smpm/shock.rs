@@ -1,10 +1,10 @@
 //! A plane shock in steel: Courant number against linear viscosity and against particles per cell.
 
 use result_figures::{Drawing, Scale};
-use scenes::smpm::scene::{OrderScene, SchemeScene, ShapeScene};
+use scenes::smpm::scene::{SchemeScene, ShapeScene};
 
 use crate::context::CaseError;
-use crate::problems::smpm::schemes::{FLIP, ORDERS, SHAPES, Shock, scheme};
+use crate::problems::smpm::schemes::{FLIP, SHAPES, Shock, scheme};
 use crate::stability::axes::{linear, logarithmic, words};
 use crate::stability::{Panel, Work};
 
@@ -17,15 +17,12 @@ const CELL: f64 = 0.05;
 /// Linear viscosity where it is not swept.
 const VISCOSITY: f64 = 0.3;
 
-/// Every shape function with modified stress last, and the other update orders with quadratic B-splines.
+/// Every shape function.
 pub(super) fn maps(n: u32) -> Result<Vec<Drawing>, CaseError> {
     let mut drawings = Vec::new();
     for (shape, name) in SHAPES {
-        drawings.push(viscosity(n, shape, (ORDERS[2].0, "MUSL"), name)?);
+        drawings.push(viscosity(n, shape, name)?);
         drawings.push(particles(n, shape, name)?);
-    }
-    for order in &ORDERS[..2] {
-        drawings.push(viscosity(n, ShapeScene::QuadraticBSpline, *order, "quadratic")?);
     }
     Ok(drawings)
 }
@@ -46,25 +43,16 @@ const SUBTITLE: &str = "pressure behind a shock of 0.47 Mbar in steel: the large
 const FOOT: &str = "A plate at 1 km/s on a rigid wall, cells of 0.5 mm, quadratic viscosity 1.5. \
      Boundary: a wave crosses a cell in a step; such a Courant number is rejected.";
 
-fn viscosity(
-    n: u32,
-    shape: ShapeScene,
-    (order, order_name): (OrderScene, &str),
-    name: &str,
-) -> Result<Drawing, CaseError> {
+fn viscosity(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError> {
     let run = |viscosity: f64, courant: f64, work: &mut Work| {
-        let scheme = SchemeScene {
-            update_order: Some(order),
-            courant_number: Some(courant),
-            ..scheme(shape, FLIP, viscosity)
-        };
+        let scheme =
+            SchemeScene { courant_number: Some(courant), ..scheme(shape, FLIP, viscosity) };
         error(&scheme, 2, work)
     };
-    let id = order_name.to_lowercase();
     Ok(Panel {
-        name: format!("smpm-viscosity-{}-{id}", name.to_lowercase()),
+        name: format!("smpm-viscosity-{name}-musl"),
         words: words(
-            format!("{name}, {order_name}, FLIP: linear viscosity and step"),
+            format!("{name}, FLIP: linear viscosity and step"),
             SUBTITLE,
             ["coefficient of the linear viscosity", "Courant number"],
             &format!("{FOOT} 2 particles a cell."),
@@ -89,9 +77,9 @@ fn particles(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError
         error(&scheme, per_cell, work)
     };
     Ok(Panel {
-        name: format!("smpm-particles-{}", name.to_lowercase()),
+        name: format!("smpm-particles-{name}"),
         words: words(
-            format!("{name}, MUSL, FLIP: particles per cell and step"),
+            format!("{name}, FLIP: particles per cell and step"),
             SUBTITLE,
             ["particles per cell", "Courant number"],
             &format!("{FOOT} Linear viscosity {VISCOSITY}."),
@@ -115,8 +103,7 @@ mod tests {
     /// Every run ends in a number or in an error that names what was out of range.
     #[test]
     fn beyond_the_courant_limit_every_run_is_refused_and_within_it_none_is_without_a_number() {
-        let order = (OrderScene::ModifiedStressLast, "MUSL");
-        let drawing = viscosity(2, ShapeScene::QuadraticBSpline, order, "quadratic").unwrap();
+        let drawing = viscosity(2, ShapeScene::QuadraticBSpline, "quadratic").unwrap();
         let map: Map = serde_json::from_str(&drawing.data).unwrap();
         assert_eq!(map.points.len(), 8);
         for point in &map.points {

@@ -4,6 +4,7 @@ use perturbation_moments::MonteCarlo;
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::material_scene::StrengthScene;
 use scenes::smpm::method_scene::MethodScene;
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Simulation;
 use smpm::uncertainty::{Experiment, FieldExperiment};
@@ -128,7 +129,7 @@ impl Setup {
             of_clay.set.insert("yield_stress".to_owned(), YIELD_OF_SHEAR * strength);
         }
         let experiment = experiment::<2>(&scene)?;
-        let mut run = Experiment::<2, 0>::simulation::<f64>(&experiment, &[])?;
+        let mut run = Experiment::simulation::<f64>(&experiment, &[0.0; MOST_RANDOM])?;
         self.factor_of(&mut run)
     }
 }

@@ -1,6 +1,7 @@
 //! A bar that runs into a wall: its run and its shape.
 
 use scenes::smpm::material_scene::MaterialScene;
+use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Body;
 use smpm::uncertainty::Experiment;
@@ -112,7 +113,7 @@ pub(super) fn quarter(of: &Specimen) -> Result<Bar, CaseError> {
 fn run<const D: usize>(mut scene: SmpmScene, of: &Specimen) -> Result<Bar, CaseError> {
     scene.grid.cell = of.radius / f64::from(of.cells);
     let spacing = scene.grid.cell / f64::from(scene.grid.particles_per_cell);
-    let mut run = Experiment::<D, 3>::simulation::<f64>(&experiment::<D>(&scene)?, &[0.0; 3])?;
+    let mut run = Experiment::simulation::<f64>(&experiment::<D>(&scene)?, &[0.0; MOST_RANDOM])?;
     let starts = run.bodies()[0].positions().to_vec();
     let before = run.ledger();
     run.advance_to(of.end)?;

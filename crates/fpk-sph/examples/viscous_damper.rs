@@ -28,7 +28,7 @@ fn answers(count: usize) -> Result<(f64, Probability), Error> {
     })?;
     let at_rest = GaussianMixture::independent([0.0, 0.0], [0.15, 0.10])?;
     let config = Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice: InitialLattice::box_of(count),
         reference_period: building.period(),
         most_steps: DEFAULT_MOST_STEPS,

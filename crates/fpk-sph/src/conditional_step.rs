@@ -178,14 +178,8 @@ impl<const D: usize> Solver<D> {
         let (dt, t_1) = (length.dt, length.reached);
         let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
         let t_0 = state.time;
-        let begin = Begin {
-            t: t_0,
-            x: &state.positions,
-            previous: None,
-            linear: [[0.0; D]; D],
-            dt,
-            share_of_limit: dt / length.diffusion_limit,
-        };
+        let begin =
+            Begin { t: t_0, x: &state.positions, previous: None, linear: [[0.0; D]; D], dt };
         let mut k = 0;
         stages.runge_kutta_4(&begin, |t, x, v| {
             k += 1;
@@ -207,7 +201,7 @@ impl<const D: usize> Solver<D> {
         check_means(&conditional.stage, conditional.filter.n_states, (state.n_steps, t_1))?;
         std::mem::swap(&mut conditional.moments, &mut conditional.stage);
         state.positions.copy_from_slice(&stages.x);
-        smoothing.finish(state, &evaluation.estimates.volume, dt);
+        smoothing.finish(state);
         state.n_steps += 1;
         state.time = t_1;
         Ok(report)

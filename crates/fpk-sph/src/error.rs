@@ -133,21 +133,6 @@ pub enum Error {
         /// The dimension.
         dimension: usize,
     },
-    /// The particles of the cloud have too few neighbours on average: they have run apart or clumped.
-    #[error(
-        "step {step}, t = {time}: the particles have {mean:.1} neighbours with themselves on average; \
-         the estimator needs {limit:.1}"
-    )]
-    CloudTooSparse {
-        /// Steps taken.
-        step: u64,
-        /// Time.
-        time: f64,
-        /// Mean number of neighbours, the particle itself included.
-        mean: f64,
-        /// The least that the estimator needs.
-        limit: f64,
-    },
     /// A particle has fewer neighbours than the local fit has unknowns.
     #[error(
         "step {step}, t = {time}: particle {particle} has {count} neighbours with itself; the fit has {limit} unknowns"
@@ -234,21 +219,15 @@ pub enum Error {
         /// The largest stable step.
         limit: f64,
     },
-    /// A scheme whose step must be stable in every cell, where some are to be left out.
+    /// An integral over deformed cells needs an estimator that follows the flow map.
     #[error(
-        "the scheme {scheme:?} must be stable in every cell, and `negligible` leaves out {negligible:e} of the second moments: \
-         set it to 0, or use LawsonAdamsBashforth2 or a Runge-Kutta scheme of order 4"
+        "the estimator follows no flow map, which integrals over cells need: use FlowMapFit, or the indicator or log-interpolated estimate"
     )]
-    SchemeNeedsAllStable {
-        /// The scheme.
-        scheme: Scheme,
-        /// [`Combination::negligible`](crate::Combination::negligible).
-        negligible: f64,
-    },
+    NoFlowMap,
     /// A scheme needs the linear part of the drift, and the system declares none.
     #[error(
         "the scheme {scheme:?} needs the linear part of the drift, and the system declares none: \
-         implement `Sde::linear_part`, or use RungeKutta4 or RungeKuttaChebyshev"
+         implement `Sde::linear_part`, or use RungeKutta4"
     )]
     NoLinearPart {
         /// The scheme.

@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-mod chebyshev;
 mod cloud;
 mod coefficients;
 mod compiled;
@@ -41,7 +40,7 @@ pub use cloud::{AxisNeighbours, Cloud};
 pub use conditioned::ConditionedSimulation;
 pub use config::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS};
 pub use error::Error;
-pub use method::{Combination, Estimator, InitialSmoothing, MOST_NEGLIGIBLE, Method, StepRule};
+pub use method::{Combination, Estimator, MOST_NEGLIGIBLE, Method, StepRule};
 pub use metric::Metric;
 pub use reach::{MOST_OUTSIDE, ball_reach, box_reach};
 pub use refine::{Refined, RefinedValue, Refinement, RefinementEnd, RefinementRun, refine};

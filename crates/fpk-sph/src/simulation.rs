@@ -184,10 +184,10 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         (passes().restore)(&mut self.solver, &mut reader)
     }
 
-    /// The density as a function, from local fits at the present positions.
+    /// The density as a function, over the deformed cells of the flow map at the present positions.
     ///
     /// # Errors
-    /// Those of the local fits: too few neighbours, a singular covariance.
+    /// [`Error::NoFlowMap`] for an estimator that follows none; those of the metric.
     pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
         (passes().cell_integral)(&self.solver)
     }

@@ -70,11 +70,8 @@ fn config<const D: usize>() -> impl Strategy<Value = Config<D>> {
         |scheme| Method::Custom(Combination { scheme, ..Method::FlowMapFit.combination_in(D) });
     let method = prop::sample::select(vec![
         Method::CanorDenoel2013,
-        Method::LogDensityFit,
         Method::FlowMapFit,
-        with(Scheme::LawsonRungeKutta4),
         with(Scheme::LawsonAdamsBashforth2),
-        with(Scheme::RungeKuttaChebyshev),
     ]);
     let parts = (method, lattice(), number(), any::<u64>());
     parts

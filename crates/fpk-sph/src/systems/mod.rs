@@ -14,7 +14,6 @@
 //! | [`Bistable`] | `x` | additive | the stationary law | Risken 1996 |
 //! | [`CoxIngersollRoss`] | `x > 0` | depends on the state | the transition density | Cox, Ingersoll & Ross 1985 |
 //! | [`GeometricBrownianMotion`] | `x > 0` | depends on the state | the transition density | Øksendal 1992 |
-//! | [`RotatedPair`] | two scalar systems, rotated | that of both | what both have | this project |
 //!
 //! For paths, [`StrangOscillator`](sde_integrators::StrangOscillator) takes the oscillators that are
 //! [`SecondOrder`](sde_integrators::SecondOrder): linear, damper, Duffing, van der Pol-Rayleigh; [`StrangBoucWen`] the
@@ -33,7 +32,6 @@ mod hysteresis;
 mod linear_law;
 mod linear_oscillator;
 mod ornstein_uhlenbeck;
-mod rotated_pair;
 mod shear_building;
 mod shear_chain;
 mod stationary;
@@ -52,7 +50,6 @@ pub use geometric_brownian_motion::GeometricBrownianMotion;
 pub use hysteresis::Hysteresis;
 pub use linear_oscillator::{LinearOscillator, LinearOscillatorParameters};
 pub use ornstein_uhlenbeck::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
-pub use rotated_pair::RotatedPair;
 pub use shear_building::{Ground, ShearBuilding, ShearBuildingParameters, Storey};
 pub use stationary::StationaryOscillator;
 pub use two_storey::{TwoStorey, TwoStoreyParameters};

@@ -13,6 +13,4 @@ pub(crate) struct Begin<'a, const D: usize> {
     /// `A`, the linear part of the drift; zero where the system declares none.
     pub(crate) linear: Matrix<D>,
     pub(crate) dt: f64,
-    /// `dt` over the largest step that the scheme allows, from 0 to 1.
-    pub(crate) share_of_limit: f64,
 }

@@ -307,15 +307,15 @@ fn what_the_means_are_not_carried_by_is_refused_by_name() {
     };
     let begin = "filter states are conditioned out with";
     assert_eq!(
-        message(&|c| c.scheme = Scheme::Heun),
-        format!("{begin} the scheme RungeKutta4; the method has the scheme Heun")
+        message(&|c| c.scheme = Scheme::ForwardEuler),
+        format!("{begin} the scheme RungeKutta4; the method has the scheme ForwardEuler")
     );
     assert_eq!(
         message(&|c| c.step = StepRule::Courant { number: 0.8 }),
         format!("{begin} steps that the waves limit; the method has the Courant number 0.8")
     );
     assert_eq!(
-        message(&|c| c.estimator = Method::LogDensityFit.combination().estimator),
+        message(&|c| c.estimator = Method::CanorDenoel2013.combination().estimator),
         format!(
             "{begin} the flow-map fit; the method has an estimator that searches its neighbours"
         )

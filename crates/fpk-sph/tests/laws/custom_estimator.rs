@@ -41,7 +41,7 @@ fn statistical_linearisation_as_an_estimator_is_exact_for_the_linear_oscillator(
     };
     let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.3]).unwrap();
     let config = Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice: InitialLattice::box_of(15),
         reference_period: std::f64::consts::TAU,
         most_steps: DEFAULT_MOST_STEPS,

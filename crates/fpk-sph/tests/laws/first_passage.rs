@@ -21,7 +21,8 @@ fn the_rate_of_crossing_of_a_gaussian_is_that_of_rice() {
     let law =
         GaussianMixture::gaussian([0.0, 0.0], [[variance_q, covariance], [covariance, variance_v]])
             .unwrap();
-    for method in [Method::FlowMapFit, Method::LogDensityFit] {
+    {
+        let method = Method::FlowMapFit;
         let config = Config {
             method,
             lattice: InitialLattice::box_of(41),
@@ -118,7 +119,7 @@ fn noise_on_the_demand_is_absorbed_as_the_reflection_principle_says() {
     let law = GaussianMixture::gaussian([0.0], [[deviation * deviation]]).unwrap();
     let errors = [61, 121].map(|count| {
         let config = Config {
-            method: Method::LogDensityFit,
+            method: Method::FlowMapFit,
             lattice: InitialLattice::box_of(count),
             reference_period: 1.0,
             most_steps: DEFAULT_MOST_STEPS,

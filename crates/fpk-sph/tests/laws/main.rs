@@ -14,6 +14,5 @@ mod observables;
 mod reach;
 mod remapping;
 mod shear_building;
-mod smoothing;
 mod time_schemes;
 mod tolerance;

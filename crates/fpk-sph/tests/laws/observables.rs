@@ -19,7 +19,7 @@ fn at_start() -> (Simulation<LinearOscillator, 2, 1>, GaussianMixture<2>) {
     });
     let law = GaussianMixture::independent([0.0, 0.0], DEVIATIONS).unwrap();
     let config = Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice: InitialLattice::Box { count: [41, 41], reach: 6.0 },
         reference_period: 2.0,
         most_steps: DEFAULT_MOST_STEPS,

@@ -155,7 +155,7 @@ fn step<S: Sde<D, 1> + Send, const D: usize>(
 
 /// The density as a function, and a probability from it.
 fn observables(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
-    let simulation = pool.install(|| at_the_end(fit));
+    let simulation = pool.install(|| at_the_end(flow_map));
     let integral = simulation.cell_integral().unwrap();
     let mut group = criterion.benchmark_group("fpk/viscous damper, observables at 6 s");
     group.bench_function("cell_integral", |b| {

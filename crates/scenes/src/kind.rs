@@ -39,10 +39,8 @@ use crate::findings::Findings;
 use crate::ladder::{Ladder, Quantity};
 use crate::models::Ingredient;
 use crate::nearest::nearest;
+pub use crate::scene::KIND_KEY;
 use crate::scene::{Objection, SceneError, SceneFile};
-
-/// The key that names the kind of a scene.
-pub const KIND_KEY: &str = "solver";
 
 /// One entry of the table [`ALL`](crate::ALL).
 #[derive(Debug, Clone, Copy)]

@@ -9,6 +9,7 @@ mod keys;
 mod named_file;
 mod objection;
 mod place;
+mod retired;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,9 @@ pub use self::error::SceneError;
 pub use self::keys::{WrongKey, read_keys};
 pub use self::named_file::NamedFile;
 pub use self::objection::Objection;
+
+/// The key that names the kind of a scene.
+pub const KIND_KEY: &str = "solver";
 
 /// A type of scene.
 pub trait Scene: Sized {
@@ -133,7 +137,8 @@ impl SceneFile {
     /// Those of [`SceneFile::parse`].
     pub fn build<T: Scene>(&self) -> Result<(T, T::Built), SceneError> {
         let read = T::from_keys(&self.keys);
-        let scene = read.map_err(|wrong| place::locate(&self.origin, &wrong))?;
+        let solver = self.keys.get(KIND_KEY).and_then(Value::as_str).unwrap_or_default();
+        let scene = read.map_err(|wrong| place::locate(&self.origin, solver, &wrong))?;
         let built = scene.check().map_err(|objection| self.object_to(&objection))?;
         Ok((scene, built))
     }

@@ -9,6 +9,7 @@ use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use serde::de::IgnoredAny;
 
 use super::error::{Origin, SceneError};
+use super::retired::retired_at;
 use super::{Objection, WrongKey};
 use crate::nearest::nearest;
 
@@ -137,8 +138,8 @@ fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), Sc
     Ok(())
 }
 
-/// Adds the position to an error of serde.
-pub(super) fn locate(origin: &Origin, wrong: &WrongKey) -> SceneError {
+/// Adds the position to an error of serde; a name that the solver had once is reported with its successor.
+pub(super) fn locate(origin: &Origin, solver: &str, wrong: &WrongKey) -> SceneError {
     let path = wrong.path().to_string();
     let path = path.trim_start_matches('.');
     let message = in_plain_words(&wrong.inner().to_string());
@@ -151,13 +152,18 @@ pub(super) fn locate(origin: &Origin, wrong: &WrongKey) -> SceneError {
     if let Some(&word) = words.first()
         && (unknown_key || message.starts_with("unknown variant"))
     {
+        let parent = if unknown_key { without_last(path, word) } else { path };
+        let range = key_in(find(&tree, parent).value, word);
+        let whole = join(parent, word);
+        if let Some(retired) = retired_at(solver, &whole) {
+            let message = format!("`{word}` was removed: use {}", retired.successor);
+            return SceneError::at(origin, &whole, range, message, "removed", None);
+        }
         let suggestion = nearest(word, words[1..].iter().copied());
         let help = suggestion.map(|suggestion| format!("did you mean `{suggestion}`?"));
-        let parent = if unknown_key { without_last(path, word) } else { path };
-        let place = find(&tree, parent);
-        let path = if unknown_key { join(parent, word) } else { path.to_owned() };
+        let path = if unknown_key { whole } else { path.to_owned() };
         let label = if unknown_key { "unknown key" } else { "unknown variant" };
-        return SceneError::at(origin, &path, key_in(place.value, word), message, label, help);
+        return SceneError::at(origin, &path, range, message, label, help);
     }
     if let Some(&word) = words.first()
         && message.starts_with("missing key")

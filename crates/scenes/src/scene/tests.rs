@@ -111,6 +111,18 @@ fn an_unknown_variant_names_the_nearest_known_one() {
 }
 
 #[test]
+fn a_removed_name_is_reported_with_its_successor() {
+    let message = "`pendulum` was removed: use `linear_oscillator`, which is as small";
+    assert_eq!(mistake("viscous_damper", "pendulum", (3, 15), "system.pendulum", message), None);
+    let message = "`strength` was removed: use `intensity`";
+    let path = "system.viscous_damper.strength";
+    assert_eq!(mistake("intensity", "strength", (3, 35), path, message), None);
+    // Of another solver it is as unknown as any name.
+    let text = GOOD.replace("self-check", "other").replace("viscous_damper", "pendulum");
+    assert!(parse(&text).unwrap_err().to_string().starts_with("unknown variant"));
+}
+
+#[test]
 fn numbers_out_of_range_are_refused() {
     let path = "system.viscous_damper.intensity";
     mistake("0.2", "1e999", (3, 48), path, "the number 1e999 is beyond the range of a double");

@@ -16,13 +16,13 @@ use std::time::Duration;
 
 use benches::CpuTime;
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
-use fpk_sph::systems::{
-    BoucWen, BoucWenParameters, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters,
-    Window,
-};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation, Work};
 use rayon::ThreadPool;
 use sde_integrators::{GaussianMixture, Sde};
+use vibrating_systems::{
+    BoucWen, BoucWenParameters, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters,
+    Window,
+};
 
 /// Time at which the earthquake begins to decay.
 const END: f64 = 6.0;

@@ -7,7 +7,6 @@ use crate::discretisation::Discretisation;
 use crate::error::Error;
 use crate::evaluation::{Evaluation, Stage, check_finite};
 use crate::linear_filter::{FilterMoments, LinearFilter};
-use crate::matrix::{Matrix, scaled};
 use crate::parallel::for_each_block;
 use crate::remap::{Carried, CarriedOn, Remapped};
 use crate::report::StepReport;
@@ -18,6 +17,7 @@ use crate::settling::Settling;
 use crate::solver::Solver;
 use crate::state::State;
 use crate::time_schemes::Begin;
+use vibrating_systems::matrix::{Matrix, scaled};
 
 /// What is carried besides the density of the structure, and the buffers of a step.
 #[derive(Debug)]

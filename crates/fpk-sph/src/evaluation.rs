@@ -7,12 +7,12 @@ use crate::coefficients::Coefficients;
 use crate::discretisation::Discretisation;
 use crate::error::Error;
 use crate::extremes::first_smallest;
-use crate::matrix::Matrix;
 use crate::metric::{Metric, Whitening, mean_and_covariance};
 use crate::parallel::{BLOCK, for_each_block};
 use crate::report::Work;
 use crate::score::Estimates;
 use crate::state::State;
+use vibrating_systems::matrix::Matrix;
 
 /// What one evaluation of the right-hand side holds.
 #[derive(Debug)]

@@ -12,7 +12,6 @@ mod evaluation;
 mod extremes;
 mod lattice;
 mod linear_filter;
-mod matrix;
 mod method;
 mod metric;
 pub mod observables;
@@ -33,7 +32,6 @@ mod start;
 mod state;
 mod step;
 mod step_length;
-pub mod systems;
 mod time_schemes;
 
 pub use cloud::{AxisNeighbours, Cloud};

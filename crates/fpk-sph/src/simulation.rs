@@ -8,7 +8,6 @@ use crate::coefficients::OfSystem;
 use crate::compiled::passes;
 use crate::config::Config;
 use crate::error::{Error, finite};
-use crate::matrix::Matrix;
 use crate::observables::{CellIntegral, DensityField};
 use crate::parallel::in_pool;
 use crate::remap::{Remapped, Remapping};
@@ -16,6 +15,7 @@ use crate::report::{StepReport, Work};
 use crate::scheme::Scheme;
 use crate::score::ScoreEstimator;
 use crate::solver::Solver;
+use vibrating_systems::matrix::Matrix;
 
 /// The density of a system on moving particles (Canor & Denoël 2013, eq 11-14):
 ///

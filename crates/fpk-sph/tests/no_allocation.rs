@@ -6,14 +6,14 @@
 use std::alloc::System;
 
 use cap::Cap;
-use fpk_sph::systems::{
-    BoucWen, BoucWenParameters, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters,
-    Window,
-};
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme, Simulation,
 };
 use sde_integrators::{GaussianMixture, Sde};
+use vibrating_systems::{
+    BoucWen, BoucWenParameters, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters,
+    Window,
+};
 
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);

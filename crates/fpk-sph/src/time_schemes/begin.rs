@@ -1,7 +1,7 @@
 //! Begin of a step.
 
-use crate::matrix::Matrix;
 use crate::state::Previous;
+use vibrating_systems::matrix::Matrix;
 
 /// Begin of a step, and its length.
 #[derive(Debug, Clone, Copy)]

@@ -7,7 +7,7 @@
 use super::begin::Begin;
 use super::sums::{subtract, transform};
 use crate::error::Error;
-use crate::matrix::{exponential, identity, scaled};
+use vibrating_systems::matrix::{exponential, identity, scaled};
 
 /// A step may be so much longer than the one before it and still extrapolate from its rates.
 ///

@@ -1,14 +1,14 @@
 //! Filter states that are conditioned out: a linear structure is exact, and a nonlinear one agrees with paths.
 
-use fpk_sph::systems::{
-    BoucWen, BoucWenParameters, Filter, Filtered, KanaiTajimiParameters, LinearOscillator,
-    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
 use fpk_sph::{
     Combination, ConditionedSimulation, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method,
     Remapping, Scheme, StepRule,
 };
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, Sde};
+use vibrating_systems::{
+    BoucWen, BoucWenParameters, Filter, Filtered, KanaiTajimiParameters, LinearOscillator,
+    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+};
 
 const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {
     natural_frequency: std::f64::consts::PI,

@@ -1,12 +1,12 @@
 //! First passage: rates of crossing with the bound that they give, and the absorbing boundary.
 
 use fpk_sph::observables::{FirstPassage, OutcrossingBound};
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::{
     Additive, Between, EnsembleConfig, GaussianMixture, Response, Sde, Side, StrangOscillator,
     maxima,
 };
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 #[test]
 fn the_rate_of_crossing_of_a_gaussian_is_that_of_rice() {

@@ -2,16 +2,16 @@
 
 use fpk_sph::observables::{Exceedance, Probability};
 use fpk_sph::score::{Degree, Estimates, FlowMapFit, LatticePlaces, Unresolved};
-use fpk_sph::systems::{
-    BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, OrnsteinUhlenbeck,
-    OrnsteinUhlenbeckParameters, Window,
-};
 use fpk_sph::{
     Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice,
     MOST_UNRESOLVED, Method, Scheme, ScoreEstimator, Settling, Simulation, StepRule,
 };
 use neighbour_search::{CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, Sde};
+use vibrating_systems::{
+    BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, OrnsteinUhlenbeck,
+    OrnsteinUhlenbeckParameters, Window,
+};
 
 fn oscillator() -> LinearOscillator {
     LinearOscillator::new(LinearOscillatorParameters {

@@ -1,8 +1,8 @@
 //! Limits in one, two and three dimensions: systems whose moments are known in closed form.
 
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, General, Sde};
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 /// `dX_k = -r_k X_k dt + s dB_k`.
 #[derive(Debug, Clone, Copy)]

@@ -1,9 +1,6 @@
 //! Laws of the method: exactness, limits, invariance, and what is refused.
 
 use fpk_sph::score::{Estimates, Fits, SummationDensity};
-use fpk_sph::systems::{
-    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
 use fpk_sph::{
     Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, ScoreEstimator,
     Simulation, StepRule,
@@ -11,6 +8,9 @@ use fpk_sph::{
 use neighbour_search::{BruteForce, NeighbourList, NeighbourSearch, Radii};
 use sde_integrators::GaussianMixture;
 use smoothing_kernels::{Kernel, Lucy};
+use vibrating_systems::{
+    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+};
 
 const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {
     natural_frequency: std::f64::consts::PI,

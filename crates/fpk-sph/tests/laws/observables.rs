@@ -2,9 +2,9 @@
 
 use std::f64::consts::{E, PI};
 
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 const DEVIATIONS: [f64; 2] = [0.15, 0.10];
 /// Standard deviations between particles, of which there are 41 along each axis.

@@ -1,12 +1,12 @@
 //! Remeshing: keeps mass and moments, continues where the flow folds, and is saved with the state.
 
-use fpk_sph::systems::{
-    Duffing, DuffingParameters, LinearOscillator, LinearOscillatorParameters, Window,
-};
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Remapping, Simulation,
 };
 use sde_integrators::{GaussianMixture, Sde};
+use vibrating_systems::{
+    Duffing, DuffingParameters, LinearOscillator, LinearOscillatorParameters, Window,
+};
 
 fn linear() -> LinearOscillator {
     LinearOscillator::new(structure()).unwrap()

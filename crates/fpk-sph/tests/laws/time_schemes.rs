@@ -1,17 +1,17 @@
 //! Schemes in time: order, limit of stability, memory, and what is refused.
 
 use fpk_sph::score::{Degree, Estimates, FlowMapFit, LatticePlaces, LocalMap};
-use fpk_sph::systems::{
-    BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, OrnsteinUhlenbeck,
-    OrnsteinUhlenbeckParameters, TwoStorey, TwoStoreyParameters, ViscousDamper,
-    ViscousDamperParameters, Window,
-};
 use fpk_sph::{
     Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, MOST_NEGLIGIBLE, Method,
     Remapping, Scheme, ScoreEstimator, Simulation, StepRule,
 };
 use neighbour_search::Criterion;
 use sde_integrators::{Additive, GaussianMixture, Sde};
+use vibrating_systems::{
+    BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, OrnsteinUhlenbeck,
+    OrnsteinUhlenbeckParameters, TwoStorey, TwoStoreyParameters, ViscousDamper,
+    ViscousDamperParameters, Window,
+};
 
 fn damper() -> ViscousDamper {
     let structure = LinearOscillatorParameters {

@@ -1,14 +1,14 @@
 //! A run to a tolerance: the error that it states against the error that it makes.
 
-use fpk_sph::systems::{
-    Filter, Filtered, KanaiTajimiParameters, LinearOscillatorParameters, ViscousDamper,
-    ViscousDamperParameters, Window,
-};
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, RefinementEnd, Simulation,
     refine,
 };
 use sde_integrators::{Additive, GaussianMixture, Sde};
+use vibrating_systems::{
+    Filter, Filtered, KanaiTajimiParameters, LinearOscillatorParameters, ViscousDamper,
+    ViscousDamperParameters, Window,
+};
 
 #[test]
 fn the_damper_to_a_tolerance_has_the_error_that_it_states() {

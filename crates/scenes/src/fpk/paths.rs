@@ -1,14 +1,14 @@
 //! Sampled paths of each system of a scene, by its integrator.
 
-use fpk_sph::systems::{
-    Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
-    LinearOscillator, OrnsteinUhlenbeck, StrangBoucWen, TwoStorey, VanDerPolRayleigh,
-    ViscousDamper,
-};
 use random_vibration::{GuidedPaths, Linearisation, TailError, TailPaths};
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, General, Integrator,
     Observable, Sampling, Sde, ShardRecord, Shark, SimdLevel, StrangOscillator, Study,
+};
+use vibrating_systems::{
+    Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
+    LinearOscillator, OrnsteinUhlenbeck, StrangBoucWen, TwoStorey, VanDerPolRayleigh,
+    ViscousDamper,
 };
 
 use super::density::Erased;

@@ -20,12 +20,12 @@ mod tests;
 
 use std::path::PathBuf;
 
-use fpk_sph::systems::Filtered;
 use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
+use vibrating_systems::Filtered;
 
 use crate::checkpoint::Checkpoint;
 use crate::fpk::density::{

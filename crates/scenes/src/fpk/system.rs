@@ -1,6 +1,6 @@
 //! A checked system of a scene, and its properties in any dimension.
 
-use fpk_sph::systems::{
+use vibrating_systems::{
     Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
     LinearOscillator, OrnsteinUhlenbeck, TwoStorey, VanDerPolRayleigh, ViscousDamper,
 };

@@ -6,10 +6,10 @@ mod surface;
 mod table;
 
 use fpk_sph::InitialLattice;
-use fpk_sph::systems::StrangBoucWen;
 use random_vibration::{Linearisation, Quadrature};
 use result_figures::{Drawing, Reference};
 use sde_integrators::{Shark, StrangOscillator};
+use vibrating_systems::StrangBoucWen;
 
 use self::records::{Scene, charts};
 use self::runs::{

@@ -12,11 +12,11 @@
 //! 81 x 81 particles and steps of at most 0.01. It is 4 times the trace of 41 x 41, since `F` is in spacings.
 
 use fpk_sph::score::LatticePlaces;
-use fpk_sph::systems::{ViscousDamper, ViscousDamperParameters};
 use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 use particle_store::Lattice;
 use result_figures::{Drawing, Scale};
+use vibrating_systems::{ViscousDamper, ViscousDamperParameters};
 
 use super::axes::{linear, logarithmic, words};
 use super::{Panel, Work};

@@ -1,7 +1,6 @@
 //! The hysteretic oscillator of the paper's section 4.2: three states, a flow that folds the cloud.
 
 use fpk_sph::observables::Probability;
-use fpk_sph::systems::BoucWen;
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping, Simulation,
 };
@@ -10,6 +9,7 @@ use scenes::clock::CpuClock;
 use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::GaussianMixture;
+use vibrating_systems::BoucWen;
 use work_precision::problems::fpk::methods::BOUC_WEN_LATTICE;
 use work_precision::problems::fpk::reference::ReferenceTable;
 

@@ -1,7 +1,6 @@
 //! First passage: the absorbing boundary, the integral of the rate of crossing, and the bound that it gives.
 
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound, Probability};
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use result_figures::{ErrorKind, Reference};
 use scenes::clock::CpuClock;
@@ -9,6 +8,7 @@ use sde_integrators::{
     Between, EnsembleConfig, GaussianMixture, Observable, Response, Sde, Side, StrangOscillator,
     maxima, simulate,
 };
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use work_precision::problems::fpk::linear_moments::linear_moments;
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen};
@@ -172,7 +172,7 @@ fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> 
     Ok(Config { method: Method::FlowMapFit, ..config })
 }
 
-fn damper_system(problem: &Problem) -> Result<fpk_sph::systems::ViscousDamper, CaseError> {
+fn damper_system(problem: &Problem) -> Result<vibrating_systems::ViscousDamper, CaseError> {
     match &problem.system {
         Oscillator::Damper(system) => Ok(system.clone()),
         Oscillator::Linear(_) => Err("the scene holds another system".into()),
@@ -308,7 +308,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// The linear oscillator of section 4.1, its noise by a factor.
-fn shaken(intensity: f64) -> Result<LinearOscillator, Error> {
+fn shaken(intensity: f64) -> Result<LinearOscillator, vibrating_systems::Error> {
     LinearOscillator::new(LinearOscillatorParameters {
         natural_frequency: std::f64::consts::PI,
         damping_ratio: 0.05,

@@ -1,12 +1,12 @@
 //! Guided paths: unbiased at 1e-3 to 1e-9, intervals that hold, first passage, refusals, threads.
 
-use fpk_sph::systems::ViscousDamper;
 use random_vibration::{
     Estimate, GuidedConfig, GuidedEstimate, GuidedPaths, TailError, Tails, upper_tail,
 };
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::paths::{Paths, PathsError};
 use sde_integrators::{Between, GaussianMixture, Response, Side};
+use vibrating_systems::ViscousDamper;
 use work_precision::problems::fpk::linear_moments::linear_moments;
 use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 use work_precision::problems::fpk::oscillator::Oscillator;

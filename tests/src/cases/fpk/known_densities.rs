@@ -1,12 +1,12 @@
 //! Densities that are known: a double well, and processes with multiplicative noise.
 
-use fpk_sph::systems::{
-    Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
-    GeometricBrownianMotion,
-};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{GaussianMixture, Sde};
+use vibrating_systems::{
+    Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
+    GeometricBrownianMotion,
+};
 use work_precision::order;
 use work_precision::problems::fpk::reference::BistableReference;
 

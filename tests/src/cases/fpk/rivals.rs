@@ -1,11 +1,11 @@
 //! The deterministic rivals and those for one probability: how good they are, so that the comparison is fair.
 
-use fpk_sph::systems::{BoucWen, Duffing, LinearOscillator};
 use random_vibration::{
     GridConfig, GridDensity, Linearisation, Quadrature, SubsetConfig, TailPaths,
 };
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Additive, GaussianMixture, Sde, StrangOscillator};
+use vibrating_systems::{BoucWen, Duffing, LinearOscillator};
 use work_precision::order;
 use work_precision::problems::fpk::linear_moments::linear_moments;
 use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};

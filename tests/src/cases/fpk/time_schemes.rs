@@ -1,10 +1,10 @@
 //! The scheme in time with one evaluation a step, on the damped building and on one that yields.
 
-use fpk_sph::systems::ViscousDamper;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme, Simulation,
 };
 use result_figures::ErrorKind;
+use vibrating_systems::ViscousDamper;
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen};
 

@@ -1,6 +1,5 @@
 //! The built-in problems: each is a scene file, and has references.
 
-use fpk_sph::systems::{BoucWen, Duffing, Filtered, LinearOscillator};
 use fpk_sph::{Config, Error};
 use scenes::fpk::density::{self, Asked, DensityRun};
 use scenes::fpk::monte_carlo::{self, SampledRun, Sampling, Shard};
@@ -8,6 +7,7 @@ use scenes::fpk::paths::PathsError;
 use scenes::fpk::scene::FpkScene;
 use scenes::fpk::system::System;
 use sde_integrators::{EulerMaruyama, GaussianMixture};
+use vibrating_systems::{BoucWen, Duffing, Filtered, LinearOscillator};
 
 use super::oscillator::Oscillator;
 use super::reference::ReferenceTable;

@@ -2,11 +2,11 @@
 
 use sde_integrators::{LaneSde, PairTerm, PairwiseSde};
 
-use super::filter::GroundMotion;
-use super::hysteresis::Hysteresis;
-use super::shear_chain::{self, Rayleigh};
-use super::{CloughPenzienParameters, Filter, KanaiTajimiParameters, Window};
 use crate::error::{Error, not_negative, positive};
+use crate::filter::GroundMotion;
+use crate::hysteresis::Hysteresis;
+use crate::shear_chain::{self, Rayleigh};
+use crate::{CloughPenzienParameters, Filter, KanaiTajimiParameters, Window};
 
 /// A storey of a [`ShearBuilding`]: the columns below a floor, and the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,7 +84,7 @@ impl ShearBuildingParameters {
 /// Source: Chopra 2012, Dynamics of structures, section 9.1; hysteresis: [`Hysteresis`].
 ///
 /// ```
-/// use fpk_sph::systems::{Ground, Hysteresis, ShearBuilding, ShearBuildingParameters, Storey, Window};
+/// use vibrating_systems::{Ground, Hysteresis, ShearBuilding, ShearBuildingParameters, Storey, Window};
 /// use sde_integrators::LaneSde;
 ///
 /// let hysteresis = Hysteresis::BoucWen { post_yield_ratio: 0.1, yield_drift: 0.01, beta: 0.5, exponent: 1.0 };
@@ -100,7 +100,7 @@ impl ShearBuildingParameters {
 /// // omega_1 = 2 sqrt(k/m) sin(pi/(2 (2 N + 1)))
 /// let exact = 20.0 * (std::f64::consts::PI / 14.0).sin();
 /// assert!((building.natural_frequencies()[0] / exact - 1.0).abs() < 1e-12);
-/// # Ok::<(), fpk_sph::Error>(())
+/// # Ok::<(), vibrating_systems::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShearBuilding {

@@ -3,8 +3,8 @@
 use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 use simd_lanes::{exp, power};
 
-use super::{LinearOscillator, LinearOscillatorParameters};
 use crate::error::{Error, not_negative, positive};
+use crate::{LinearOscillator, LinearOscillatorParameters};
 
 /// Parameters of a [`ViscousDamper`].
 #[derive(Debug, Clone, PartialEq)]
@@ -115,14 +115,14 @@ impl SecondOrder<1, 1> for ViscousDamper {
 /// `eta sign(v) |v|^alpha`.
 #[allow(clippy::inline_always, reason = "ensembles compile it for lanes of paths")]
 #[inline(always)]
-pub(super) fn damper_force(coefficient: f64, exponent: f64, v: f64) -> f64 {
+pub(crate) fn damper_force(coefficient: f64, exponent: f64, v: f64) -> f64 {
     coefficient * power(v.abs(), exponent).copysign(v)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::systems::Window;
+    use crate::Window;
 
     fn damper(damper_exponent: f64) -> ViscousDamper {
         let structure = LinearOscillatorParameters {

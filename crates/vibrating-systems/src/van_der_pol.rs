@@ -2,9 +2,9 @@
 
 use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 
-use super::Window;
-use super::stationary::StationaryOscillator;
+use crate::Window;
 use crate::error::{Error, finite, not_negative, positive};
+use crate::stationary::StationaryOscillator;
 
 /// Parameters of a [`VanDerPolRayleigh`] oscillator.
 #[derive(Debug, Clone, PartialEq)]
@@ -154,8 +154,8 @@ impl SecondOrder<1, 1> for VanDerPolRayleigh {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stationary::satisfies_the_stationary_equation;
     use super::*;
+    use crate::stationary::satisfies_the_stationary_equation;
 
     fn oscillator(self_excitation: f64) -> VanDerPolRayleigh {
         VanDerPolRayleigh::new(VanDerPolRayleighParameters {

@@ -10,7 +10,7 @@ const MOST_ITERATIONS: usize = 100;
 /// Circular frequencies of a chain of `(mass, stiffness)` from the ground upwards, increasing.
 ///
 /// They are the roots of the eigenvalues of the symmetric `M^(-1/2) K M^(-1/2)`; infinite where these exceed all numbers.
-pub(super) fn natural_frequencies(chain: &[(f64, f64)]) -> Vec<f64> {
+pub(crate) fn natural_frequencies(chain: &[(f64, f64)]) -> Vec<f64> {
     let n = chain.len();
     let above = |i: usize| chain.get(i + 1).map_or(0.0, |(_, stiffness)| *stiffness);
     let diagonal = |i: usize| (chain[i].1 + above(i)) / chain[i].0;
@@ -37,13 +37,13 @@ pub(super) fn natural_frequencies(chain: &[(f64, f64)]) -> Vec<f64> {
 
 /// Rayleigh damping: `C = of_mass M + of_stiffness K`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rayleigh {
-    pub(super) of_mass: f64,
-    pub(super) of_stiffness: f64,
+pub(crate) struct Rayleigh {
+    pub(crate) of_mass: f64,
+    pub(crate) of_stiffness: f64,
 }
 
 /// Rayleigh damping with these ratios in two modes, counted from 1.
-pub(super) fn rayleigh(
+pub(crate) fn rayleigh(
     frequencies: &[f64],
     modes: [usize; 2],
     ratios: [f64; 2],

@@ -5,11 +5,11 @@ use crate::matrix::{Matrix, add, norm, product, scaled, transposed};
 
 /// What a time does to the law of `dX = F X dt + G dB`: `X(t) = E X(0) + N(0, Q)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Transition<const D: usize> {
+pub(crate) struct Transition<const D: usize> {
     /// `E = exp(F t)`.
-    pub(super) matrix: Matrix<D>,
+    pub(crate) matrix: Matrix<D>,
     /// `Q`, the integral of `exp(F s) G G^T exp(F s)^T` from 0 to `t`.
-    pub(super) covariance: Matrix<D>,
+    pub(crate) covariance: Matrix<D>,
 }
 
 /// Terms of the series over a time in which `F` does not exceed one half: the last is below 1e-16 of the first.
@@ -22,7 +22,7 @@ const FORGOTTEN: f64 = 1e-12;
 
 impl<const D: usize> Transition<D> {
     /// Over the time `t`, from `F` and `G G^T`: Taylor series over a part of it, then doubled.
-    pub(super) fn over(f: &Matrix<D>, noise: &Matrix<D>, t: f64) -> Self {
+    pub(crate) fn over(f: &Matrix<D>, noise: &Matrix<D>, t: f64) -> Self {
         let (mut part, mut doublings) = (t, 0);
         while norm(f) * part > 0.5 {
             part *= 0.5;
@@ -36,7 +36,7 @@ impl<const D: usize> Transition<D> {
     }
 
     /// The covariance that stays.
-    pub(super) fn stationary(
+    pub(crate) fn stationary(
         name: &'static str,
         f: &Matrix<D>,
         noise: &Matrix<D>,
@@ -55,7 +55,7 @@ impl<const D: usize> Transition<D> {
     }
 
     /// The covariance of `X(t)` from that of `X(0)`.
-    pub(super) fn of_covariance(&self, start: &Matrix<D>) -> Matrix<D> {
+    pub(crate) fn of_covariance(&self, start: &Matrix<D>) -> Matrix<D> {
         add(&congruence(&self.matrix, start), &self.covariance)
     }
 

@@ -5,7 +5,7 @@ use sde_integrators::{
 };
 use simd_lanes::power;
 
-use super::Window;
+use crate::Window;
 use crate::error::{Error, finite, not_negative, positive, within};
 
 /// Parameters of a [`BoucWen`] oscillator.

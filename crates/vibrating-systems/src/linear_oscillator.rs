@@ -2,7 +2,7 @@
 
 use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 
-use super::Window;
+use crate::Window;
 use crate::error::{Error, not_negative, positive};
 
 /// Parameters of a [`LinearOscillator`].

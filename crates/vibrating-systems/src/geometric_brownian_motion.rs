@@ -73,8 +73,8 @@ impl Sde<1, 1> for GeometricBrownianMotion {
 mod tests {
     use sde_integrators::check_diffusion_divergence;
 
-    use super::super::stationary::half_line;
     use super::*;
+    use crate::stationary::half_line;
 
     #[test]
     fn the_closed_divergence_is_that_of_the_noise() {

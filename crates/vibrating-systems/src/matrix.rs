@@ -1,20 +1,22 @@
 //! Small matrices and their exponential.
 
 /// A small square matrix, row by row.
-pub(crate) type Matrix<const D: usize> = [[f64; D]; D];
+pub type Matrix<const D: usize> = [[f64; D]; D];
 
 /// Terms of the series of an exponential whose exponent does not exceed one half: the last is below 1e-16 of the first.
 const TERMS: u32 = 14;
 
 /// The unit matrix.
-pub(crate) fn identity<const D: usize>() -> Matrix<D> {
+#[must_use]
+pub fn identity<const D: usize>() -> Matrix<D> {
     std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))))
 }
 
 /// `exp(A t)`: the Taylor series over a part of the time, squared until it is whole (Moler & Van Loan 2003, method 3).
 ///
 /// The relative error is that of roundoff, about `|A t|` times 1e-16.
-pub(crate) fn exponential<const D: usize>(a: &Matrix<D>, t: f64) -> Matrix<D> {
+#[must_use]
+pub fn exponential<const D: usize>(a: &Matrix<D>, t: f64) -> Matrix<D> {
     let (mut part, mut squarings) = (t, 0);
     while norm(a) * part.abs() > 0.5 {
         part *= 0.5;
@@ -32,23 +34,32 @@ pub(crate) fn exponential<const D: usize>(a: &Matrix<D>, t: f64) -> Matrix<D> {
 }
 
 /// The largest sum over a row of absolute values.
-pub(crate) fn norm<const D: usize>(a: &Matrix<D>) -> f64 {
+#[must_use]
+pub fn norm<const D: usize>(a: &Matrix<D>) -> f64 {
     a.iter().map(|row| row.iter().map(|value| value.abs()).sum()).fold(0.0, f64::max)
 }
 
-pub(crate) fn product<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
+/// `A B`.
+#[must_use]
+pub fn product<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..D).map(|k| a[i][k] * b[k][j]).sum()))
 }
 
-pub(crate) fn transposed<const D: usize>(a: &Matrix<D>) -> Matrix<D> {
+/// `A^T`.
+#[must_use]
+pub fn transposed<const D: usize>(a: &Matrix<D>) -> Matrix<D> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
-pub(crate) fn add<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
+/// `A + B`.
+#[must_use]
+pub fn add<const D: usize>(a: &Matrix<D>, b: &Matrix<D>) -> Matrix<D> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
 }
 
-pub(crate) fn scaled<const D: usize>(a: &Matrix<D>, by: f64) -> Matrix<D> {
+/// `c A`.
+#[must_use]
+pub fn scaled<const D: usize>(a: &Matrix<D>, by: f64) -> Matrix<D> {
     a.map(|row| row.map(|value| by * value))
 }
 

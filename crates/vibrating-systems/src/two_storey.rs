@@ -2,9 +2,9 @@
 
 use sde_integrators::{Additive, Sde};
 
-use super::Window;
-use super::viscous_damper::damper_force;
+use crate::Window;
 use crate::error::{Error, not_negative, positive};
+use crate::viscous_damper::damper_force;
 
 /// Parameters of a [`TwoStorey`] building; lists hold the lower storey first.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,10 @@
 //! The shear building: its drift is the sum of its linear part and its terms, and that of the textbook.
 
-use fpk_sph::Error;
-use fpk_sph::systems::{
-    CloughPenzienParameters, Ground, Hysteresis, KanaiTajimiParameters, ShearBuilding,
+use sde_integrators::{LaneSde, PairwiseSde, Sde};
+use vibrating_systems::{
+    CloughPenzienParameters, Error, Ground, Hysteresis, KanaiTajimiParameters, ShearBuilding,
     ShearBuildingParameters, Storey, TwoStorey, TwoStoreyParameters, Window,
 };
-use sde_integrators::{LaneSde, PairwiseSde, Sde};
 
 const BOUC_WEN: Hysteresis =
     Hysteresis::BoucWen { post_yield_ratio: 0.2, yield_drift: 0.3, beta: 0.6, exponent: 2.0 };

@@ -144,8 +144,8 @@ impl Sde<1, 1> for CoxIngersollRoss {
 mod tests {
     use sde_integrators::check_diffusion_divergence;
 
-    use super::super::stationary::half_line;
     use super::*;
+    use crate::stationary::half_line;
 
     fn process() -> CoxIngersollRoss {
         let parameters = CoxIngersollRossParameters { rate: 0.8, mean: 1.2, volatility: 0.5 };

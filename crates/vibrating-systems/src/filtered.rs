@@ -2,8 +2,8 @@
 
 use sde_integrators::{Additive, GaussianMixture, Sde};
 
-use super::{Filter, Window};
 use crate::error::{Error, positive};
+use crate::{Filter, Window};
 
 /// Most states: those of the density solver.
 const MOST_STATES: usize = 6;
@@ -21,7 +21,7 @@ const MOST_STATES: usize = 6;
 /// modulates the white noise below it, so that the filter shakes on for its own period after the noise.
 ///
 /// ```
-/// use fpk_sph::systems::{
+/// use vibrating_systems::{
 ///     Filter, Filtered, KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters, Window,
 /// };
 /// use sde_integrators::{GaussianMixture, Sde};
@@ -38,13 +38,13 @@ const MOST_STATES: usize = 6;
 /// let [_, acceleration, ..] = shaken.drift(1.0, &[0.0, 0.0, 0.01, 0.0]);
 /// // a(1) sqrt(2 S_0) omega_g^2 x_g
 /// assert!((acceleration - 0.5 * 0.4_f64.sqrt() * 15.6 * 15.6 * 0.01).abs() < 1e-14);
-/// # Ok::<(), fpk_sph::Error>(())
+/// # Ok::<(), vibrating_systems::Error>(())
 /// ```
 ///
 /// A number of states that is not the sum of both does not compile:
 ///
 /// ```compile_fail
-/// # use fpk_sph::systems::{
+/// # use vibrating_systems::{
 /// #     Filter, Filtered, KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters, Window,
 /// # };
 /// # let window = Window::Stationary;
@@ -55,13 +55,13 @@ const MOST_STATES: usize = 6;
 /// # let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
 /// let shaken = Filtered::new(structure, Filter::kanai_tajimi(soil)?, Window::Stationary)?;
 /// let law = shaken.initial_distribution::<5>(&[0.0, 0.0], &[0.01, 0.01])?;
-/// # Ok::<(), fpk_sph::Error>(())
+/// # Ok::<(), vibrating_systems::Error>(())
 /// ```
 ///
 /// nor do more than six, here the four of a building and the four of Clough and Penzien:
 ///
 /// ```compile_fail
-/// # use fpk_sph::systems::{
+/// # use vibrating_systems::{
 /// #     Filter, Filtered, KanaiTajimiParameters, TwoStorey, TwoStoreyParameters, Window,
 /// # };
 /// # use sde_integrators::Sde;
@@ -71,7 +71,7 @@ const MOST_STATES: usize = 6;
 /// # })?;
 /// # let clough_penzien = Filter::<4>::new([[0.0; 4]; 4], [0.0; 4], [0.0; 4], 1.0)?;
 /// let shaken = Filtered::new(frame, clough_penzien, Window::Stationary)?;
-/// # Ok::<(), fpk_sph::Error>(())
+/// # Ok::<(), vibrating_systems::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filtered<S, const DS: usize, const DF: usize> {
@@ -176,10 +176,10 @@ where
 
 #[cfg(test)]
 mod tests {
-    use super::super::linear_law::Transition;
     use super::*;
+    use crate::linear_law::Transition;
     use crate::matrix::Matrix;
-    use crate::systems::{KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters};
+    use crate::{KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters};
 
     const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {
         natural_frequency: 2.0,

@@ -2,8 +2,8 @@
 
 use sde_integrators::{Additive, Sde};
 
-use super::linear_law::Transition;
 use crate::error::{Error, finite, not_negative};
+use crate::linear_law::Transition;
 use crate::matrix::Matrix;
 
 /// Parameters of an [`OrnsteinUhlenbeck`] process.

@@ -36,7 +36,7 @@ pub enum Hysteresis {
 }
 
 impl Hysteresis {
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         if let Self::BoucWen { beta, exponent, .. } = *self {
             within("beta", beta, 0.0, 1.0)?;
             positive("exponent", exponent)?;
@@ -53,7 +53,7 @@ impl Hysteresis {
 
     /// `alpha`; 1 without hysteresis.
     #[inline(always)]
-    pub(super) fn post_yield_ratio(&self) -> f64 {
+    pub(crate) fn post_yield_ratio(&self) -> f64 {
         match *self {
             Self::None => 1.0,
             Self::BoucWen { post_yield_ratio, .. } | Self::Bilinear { post_yield_ratio, .. } => {
@@ -64,7 +64,7 @@ impl Hysteresis {
 
     /// Writes `z'` of `L` paths.
     #[inline(always)]
-    pub(super) fn rate<const L: usize>(&self, v: &[f64; L], z: &[f64; L], rate: &mut [f64; L]) {
+    pub(crate) fn rate<const L: usize>(&self, v: &[f64; L], z: &[f64; L], rate: &mut [f64; L]) {
         match *self {
             Self::None => *rate = *v,
             Self::BoucWen { yield_drift, beta, exponent, .. } => {
@@ -92,7 +92,7 @@ impl Hysteresis {
 
     /// Returns `z` of `L` paths to the yield surface where a step has passed it.
     #[inline(always)]
-    pub(super) fn return_to_yield_surface<const L: usize>(&self, z: &mut [f64; L]) {
+    pub(crate) fn return_to_yield_surface<const L: usize>(&self, z: &mut [f64; L]) {
         if let Self::Bilinear { yield_drift, .. } = *self {
             for z in z {
                 *z = if *z > yield_drift { yield_drift } else { *z };

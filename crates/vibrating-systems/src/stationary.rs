@@ -25,7 +25,7 @@ impl std::fmt::Debug for StationaryOscillator {
 impl StationaryOscillator {
     /// From `(omega, damping, S_0)`, which set the scales of the quadrature, the potential `U(q)` and the integral of
     /// `h` up to an energy.
-    pub(super) fn of_energy(
+    pub(crate) fn of_energy(
         (frequency, damping, noise_intensity): (f64, f64, f64),
         potential: impl Fn(f64) -> f64 + Send + Sync + 'static,
         dissipation: impl Fn(f64) -> f64 + Send + Sync + 'static,
@@ -88,7 +88,7 @@ impl StationaryOscillator {
 /// rule in `u` with `x = from + scale exp(pi/2 sinh u)`, whose error falls exponentially with the number of points.
 ///
 /// Source: Takahasi and Mori 1974, Double exponential formulas for numerical integration.
-pub(super) fn half_line(from: f64, scale: f64, f: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn half_line(from: f64, scale: f64, f: impl Fn(f64) -> f64) -> f64 {
     const STEP: f64 = 1.0 / 64.0;
     let term = |k: i32| {
         let u = f64::from(k) * STEP;
@@ -103,7 +103,7 @@ pub(super) fn half_line(from: f64, scale: f64, f: impl Fn(f64) -> f64) -> f64 {
 
 /// Whether a density satisfies `div(f psi) = div(D grad psi)` at some points, by central differences.
 #[cfg(test)]
-pub(super) fn satisfies_the_stationary_equation<S: sde_integrators::Sde<2, 1>>(
+pub(crate) fn satisfies_the_stationary_equation<S: sde_integrators::Sde<2, 1>>(
     system: &S,
     density: impl Fn(&[f64; 2]) -> f64,
 ) {

@@ -130,7 +130,7 @@ impl Window {
 
     /// `a(t) sqrt(2 S_0)`, what multiplies `dB` where `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`.
     #[inline]
-    pub(super) fn noise_amplitude(&self, t: f64, noise_intensity: f64) -> f64 {
+    pub(crate) fn noise_amplitude(&self, t: f64, noise_intensity: f64) -> f64 {
         self.amplitude(t) * (2.0 * noise_intensity).sqrt()
     }
 

@@ -1,7 +1,7 @@
 //! Filters that make ground motion of white noise.
 
-use super::linear_law::Transition;
 use crate::error::{Error, finite, positive};
+use crate::linear_law::Transition;
 use crate::matrix::Matrix;
 
 /// A linear filter with `F` states, driven by white noise with `E[W(t) W(t + tau)] = delta(tau)`:
@@ -37,6 +37,24 @@ pub struct CloughPenzienParameters {
 }
 
 impl<const F: usize> Filter<F> {
+    /// `A`.
+    #[must_use]
+    pub const fn matrix(&self) -> &Matrix<F> {
+        &self.matrix
+    }
+
+    /// `b`.
+    #[must_use]
+    pub const fn noise(&self) -> &[f64; F] {
+        &self.noise
+    }
+
+    /// `c`.
+    #[must_use]
+    pub const fn output(&self) -> &[f64; F] {
+        &self.output
+    }
+
     /// A filter from `A`, `b`, `c` and the shortest period of its modes (time), by which steps are measured.
     ///
     /// # Errors
@@ -136,12 +154,12 @@ impl Filter<4> {
 
 /// A filter of any number of states, none by default: then white noise is the ground acceleration itself.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct GroundMotion {
+pub(crate) struct GroundMotion {
     /// Row by row.
     matrix: Vec<Vec<f64>>,
-    pub(super) noise: Vec<f64>,
-    pub(super) output: Vec<f64>,
-    pub(super) period: f64,
+    pub(crate) noise: Vec<f64>,
+    pub(crate) output: Vec<f64>,
+    pub(crate) period: f64,
 }
 
 impl Default for GroundMotion {
@@ -152,18 +170,18 @@ impl Default for GroundMotion {
 }
 
 impl GroundMotion {
-    pub(super) fn of<const F: usize>(filter: &Filter<F>) -> Self {
+    pub(crate) fn of<const F: usize>(filter: &Filter<F>) -> Self {
         let &Filter { matrix, noise, output, period, .. } = filter;
         let matrix = matrix.iter().map(|row| row.to_vec()).collect();
         Self { matrix, noise: noise.to_vec(), output: output.to_vec(), period }
     }
 
-    pub(super) fn n_states(&self) -> usize {
+    pub(crate) fn n_states(&self) -> usize {
         self.noise.len()
     }
 
     /// The entries of its matrix: row, column, value.
-    pub(super) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
+    pub(crate) fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> {
         let row = |(i, row): (usize, &Vec<f64>)| -> Vec<(usize, usize, f64)> {
             row.iter().enumerate().map(|(j, value)| (i, j, *value)).collect()
         };
@@ -173,7 +191,7 @@ impl GroundMotion {
     /// Writes the rates of its states for `L` paths.
     #[allow(clippy::inline_always, reason = "used in a dispatched function")]
     #[inline(always)]
-    pub(super) fn drift<const L: usize>(&self, y: &[[f64; L]], drift: &mut [[f64; L]]) {
+    pub(crate) fn drift<const L: usize>(&self, y: &[[f64; L]], drift: &mut [[f64; L]]) {
         for (rates, row) in drift.iter_mut().zip(&self.matrix) {
             *rates = dot(row, y);
         }
@@ -182,7 +200,7 @@ impl GroundMotion {
     /// Its output for `L` paths, zero without a filter.
     #[allow(clippy::inline_always, reason = "used in a dispatched function")]
     #[inline(always)]
-    pub(super) fn output<const L: usize>(&self, y: &[[f64; L]]) -> [f64; L] {
+    pub(crate) fn output<const L: usize>(&self, y: &[[f64; L]]) -> [f64; L] {
         dot(&self.output, y)
     }
 }

@@ -2,8 +2,8 @@
 
 use sde_integrators::{Additive, Sde};
 
-use super::stationary::half_line;
 use crate::error::{Error, finite, positive};
+use crate::stationary::half_line;
 
 /// Parameters of a [`Bistable`] system.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,9 +2,9 @@
 
 use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
 
-use super::stationary::StationaryOscillator;
-use super::{LinearOscillator, LinearOscillatorParameters};
 use crate::error::{Error, not_negative};
+use crate::stationary::StationaryOscillator;
+use crate::{LinearOscillator, LinearOscillatorParameters};
 
 /// Parameters of a [`Duffing`] oscillator.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,9 +123,9 @@ impl SecondOrder<1, 1> for Duffing {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stationary::satisfies_the_stationary_equation;
     use super::*;
-    use crate::systems::Window;
+    use crate::Window;
+    use crate::stationary::satisfies_the_stationary_equation;
 
     fn duffing() -> Duffing {
         let structure = LinearOscillatorParameters {

@@ -16,16 +16,13 @@ use std::time::Duration;
 
 use benches::CpuTime;
 use criterion::{BatchSize, Criterion, SamplingMode, Throughput};
-use fpk_sph::score::{Degree, VolumeEstimate};
-use fpk_sph::systems::{
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation, Work};
+use rayon::ThreadPool;
+use sde_integrators::{GaussianMixture, Sde};
+use vibrating_systems::{
     BoucWen, BoucWenParameters, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters,
     Window,
 };
-use fpk_sph::{
-    Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method, Simulation, Work,
-};
-use rayon::ThreadPool;
-use sde_integrators::{GaussianMixture, Sde};
 
 /// Time at which the earthquake begins to decay.
 const END: f64 = 6.0;
@@ -52,10 +49,6 @@ fn simulation(method: Method, lattice: InitialLattice<2>) -> Damper {
     Simulation::new(system, &at_rest, &config).unwrap()
 }
 
-fn fit() -> Damper {
-    simulation(Method::LogDensityFit, InitialLattice::box_of(41))
-}
-
 fn flow_map() -> Damper {
     simulation(Method::FlowMapFit, InitialLattice::box_of(41))
 }
@@ -66,8 +59,8 @@ fn at_the_end(start: fn() -> Damper) -> Damper {
     simulation
 }
 
-/// Methods of this project, with their initialisation.
-const OURS: [Named; 2] = [("LogDensityFit 41 x 41", fit), ("FlowMapFit 41 x 41", flow_map)];
+/// The method of this project, with its initialisation.
+const OURS: Named = ("FlowMapFit 41 x 41", flow_map);
 
 fn paper() -> Damper {
     let lattice = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [50, 33] };
@@ -83,12 +76,6 @@ fn building(method: Method) -> Building {
     let reference_period = system.period();
     let config = Config { method, lattice, reference_period, most_steps: DEFAULT_MOST_STEPS };
     Simulation::new(system, &at_rest, &config).unwrap()
-}
-
-fn building_fit() -> Building {
-    let estimator =
-        Estimator::LogDensityFit { volume: VolumeEstimate::KernelSum, degree: Degree::Quadratic };
-    building(Method::Custom(Combination { estimator, ..Method::LogDensityFit.combination() }))
 }
 
 fn building_flow_map() -> Building {
@@ -112,12 +99,11 @@ fn run(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
     let mut group = criterion.benchmark_group("fpk/viscous damper, run to 6 s");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.warm_up_time(Duration::from_secs(2)).measurement_time(Duration::from_secs(10));
-    for (name, start) in OURS {
-        let simulation = pool.install(|| at_the_end(start));
-        print_work(&format!("{name}, start and run to t = 6"), &simulation, simulation.work());
-        group.throughput(Throughput::Elements(simulation.work().neighbour_visits));
-        group.bench_function(name, |b| b.iter(|| pool.install(|| at_the_end(start))));
-    }
+    let (name, start) = OURS;
+    let simulation = pool.install(|| at_the_end(start));
+    print_work(&format!("{name}, start and run to t = 6"), &simulation, simulation.work());
+    group.throughput(Throughput::Elements(simulation.work().neighbour_visits));
+    group.bench_function(name, |b| b.iter(|| pool.install(|| at_the_end(start))));
     group.finish();
 }
 
@@ -169,7 +155,7 @@ fn step<S: Sde<D, 1> + Send, const D: usize>(
 
 /// The density as a function, and a probability from it.
 fn observables(criterion: &mut Criterion<CpuTime>, pool: &ThreadPool) {
-    let simulation = pool.install(|| at_the_end(fit));
+    let simulation = pool.install(|| at_the_end(flow_map));
     let integral = simulation.cell_integral().unwrap();
     let mut group = criterion.benchmark_group("fpk/viscous damper, observables at 6 s");
     group.bench_function("cell_integral", |b| {
@@ -186,14 +172,11 @@ fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     run(&mut criterion, &pool);
     let paper: Named = ("CanorDenoel2013 50 x 33", paper);
-    step(&mut criterion, "viscous damper", &[paper, OURS[0], OURS[1]]);
+    step(&mut criterion, "viscous damper", &[paper, OURS]);
     step::<BoucWen, 3>(
         &mut criterion,
         "Bouc-Wen",
-        &[
-            ("LogDensityFit, spacing 0.5", building_fit),
-            ("FlowMapFit, spacing 0.5", building_flow_map),
-        ],
+        &[("FlowMapFit, spacing 0.5", building_flow_map)],
     );
     observables(&mut criterion, &pool);
     criterion.final_summary();

@@ -15,15 +15,15 @@ use std::hint::black_box;
 use benches::CpuTime;
 use benches::ratios::{Ratios, Work};
 use criterion::Criterion;
-use fpk_sph::systems::{
-    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, GaussianMixture, Integrator, Noise, Observable, Purpose, Sde,
     SecondOrder, SemiImplicitEuler, SimdLevel, StrangOscillator, Study,
+};
+use vibrating_systems::{
+    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
 
 const N_PATHS: u32 = 256;

@@ -24,15 +24,11 @@ use crate::case::Case;
 
 /// Every case, in the order in which the table is printed.
 pub const ALL: &[Case] = &[
-    fpk::linear_oscillator::CASE,
     fpk::viscous_damper::CASE,
-    fpk::viscous_damper::REFINED,
-    fpk::viscous_damper::FLOW_MAP_FIT,
-    fpk::linear_oscillator::FLOW_MAP_FIT,
+    fpk::linear_oscillator::CASE,
     fpk::gaussian_mixture::CASE,
     fpk::bouc_wen::COARSE,
     fpk::bouc_wen::CASE,
-    fpk::bouc_wen::TAIL,
     fpk::bouc_wen_paper::CASE,
     fpk::filtered::DAMPER,
     fpk::filtered::BOUC_WEN,
@@ -52,7 +48,6 @@ pub const ALL: &[Case] = &[
     fpk::stationary_oscillators::DUFFING,
     fpk::stationary_oscillators::VAN_DER_POL,
     fpk::canor_denoel::CASE,
-    fpk::schemes::CASE,
     fpk::monte_carlo::CASE,
     fpk::rivals::CASE,
     fpk::guided_paths::CASE,
@@ -60,7 +55,6 @@ pub const ALL: &[Case] = &[
     fpk::passage_benchmarks::CASE,
     fpk::reliability_benchmarks::CASE,
     fpk::spatial_order::CASE,
-    fpk::steps::CASE,
     fpk::time_schemes::CASE,
     fpk::invariance::CASE,
     fpk::failures::CASE,

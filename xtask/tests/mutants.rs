@@ -11,7 +11,7 @@ use folder::files;
 use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 13] = [
     "uq-estimators",
     "fpk-sph",
     "mpi-ensembles",
@@ -24,6 +24,7 @@ const CRATES: [&str; 12] = [
     "sde-integrators",
     "smoothing-kernels",
     "smpm",
+    "vibrating-systems",
 ];
 
 /// The root of the workspace.

@@ -12,9 +12,9 @@
 //! Each error is the difference to a run with wider spacing: an estimate, no bound.
 
 use fpk_sph::observables::FirstPassage;
-use fpk_sph::systems::{BoucWen, BoucWenParameters};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{BoucWen, BoucWenParameters};
 
 /// `P` that each of the three demands passes its thresholds within 3 s.
 fn passages(spacing: f64) -> Result<[Vec<f64>; 3], Error> {

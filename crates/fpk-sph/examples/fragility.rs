@@ -5,11 +5,11 @@
 //! intensity to the next. Each error is the difference to a run with half the particles: an estimate, no bound.
 
 use fpk_sph::observables::FirstPassage;
-use fpk_sph::systems::{
-    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{
+    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+};
 
 /// Drifts.
 const DRIFTS: [f64; 3] = [0.4, 0.6, 0.8];

@@ -2,10 +2,10 @@
 
 // docs: own-system
 use fpk_sph::observables::Probability;
-use fpk_sph::systems::{Filter, Filtered, KanaiTajimiParameters, Window};
 use fpk_sph::{
     Additive, ConditionedSimulation, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Sde,
 };
+use vibrating_systems::{Filter, Filtered, KanaiTajimiParameters, Window};
 
 /// A frame whose stiffness falls off as it yields: `q'' + 2 xi w q' + w^2 q_y tanh(q / q_y) = sqrt(2 S_0) u`.
 #[derive(Debug, Clone, Copy)]

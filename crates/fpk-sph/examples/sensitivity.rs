@@ -5,9 +5,9 @@
 //! only the few paths that change sides. Each error is the difference to runs with half the particles: an estimate.
 
 use fpk_sph::observables::FirstPassage;
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 /// `E[q^2]` and `P(|q| > 0.9)` at `t = 6`, and `P(max |q| > 0.9)` up to there.
 fn answers(damping_ratio: f64, count: usize) -> Result<[f64; 3], Error> {

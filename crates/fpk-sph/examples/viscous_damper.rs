@@ -6,11 +6,11 @@
 //! ```
 
 use fpk_sph::observables::Probability;
-use fpk_sph::systems::{
-    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{
+    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+};
 
 // docs: run
 /// `E[q^2]` and `P(|q| > 1)` at `t = 6`, with `count` particles along each axis.
@@ -28,7 +28,7 @@ fn answers(count: usize) -> Result<(f64, Probability), Error> {
     })?;
     let at_rest = GaussianMixture::independent([0.0, 0.0], [0.15, 0.10])?;
     let config = Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice: InitialLattice::box_of(count),
         reference_period: building.period(),
         most_steps: DEFAULT_MOST_STEPS,

@@ -4,7 +4,7 @@
 
 use sde_integrators::{NoiseClass, Sde};
 
-use crate::matrix::Matrix;
+use vibrating_systems::matrix::Matrix;
 
 /// The coefficients of the Fokker-Planck equation over a cloud of particles.
 pub(crate) trait Coefficients<const D: usize>: Sync {

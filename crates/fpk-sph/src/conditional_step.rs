@@ -7,7 +7,6 @@ use crate::discretisation::Discretisation;
 use crate::error::Error;
 use crate::evaluation::{Evaluation, Stage, check_finite};
 use crate::linear_filter::{FilterMoments, LinearFilter};
-use crate::matrix::{Matrix, scaled};
 use crate::parallel::for_each_block;
 use crate::remap::{Carried, CarriedOn, Remapped};
 use crate::report::StepReport;
@@ -18,6 +17,7 @@ use crate::settling::Settling;
 use crate::solver::Solver;
 use crate::state::State;
 use crate::time_schemes::Begin;
+use vibrating_systems::matrix::{Matrix, scaled};
 
 /// What is carried besides the density of the structure, and the buffers of a step.
 #[derive(Debug)]
@@ -178,14 +178,8 @@ impl<const D: usize> Solver<D> {
         let (dt, t_1) = (length.dt, length.reached);
         let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
         let t_0 = state.time;
-        let begin = Begin {
-            t: t_0,
-            x: &state.positions,
-            previous: None,
-            linear: [[0.0; D]; D],
-            dt,
-            share_of_limit: dt / length.diffusion_limit,
-        };
+        let begin =
+            Begin { t: t_0, x: &state.positions, previous: None, linear: [[0.0; D]; D], dt };
         let mut k = 0;
         stages.runge_kutta_4(&begin, |t, x, v| {
             k += 1;
@@ -207,7 +201,7 @@ impl<const D: usize> Solver<D> {
         check_means(&conditional.stage, conditional.filter.n_states, (state.n_steps, t_1))?;
         std::mem::swap(&mut conditional.moments, &mut conditional.stage);
         state.positions.copy_from_slice(&stages.x);
-        smoothing.finish(state, &evaluation.estimates.volume, dt);
+        smoothing.finish(state);
         state.n_steps += 1;
         state.time = t_1;
         Ok(report)

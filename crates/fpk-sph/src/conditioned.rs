@@ -18,9 +18,9 @@ use crate::rim_extrapolation::RimExtrapolation;
 use crate::scheme::Scheme;
 use crate::score::inverse;
 use crate::simulation::Simulation;
-use crate::systems::Filtered;
+use vibrating_systems::Filtered;
 
-/// The density of a structure behind a [filter](crate::systems::Filter) on a lattice of the structure's states alone.
+/// The density of a structure behind a [filter](vibrating_systems::Filter) on a lattice of the structure's states alone.
 ///
 /// Of `dS = (a(t, S) + g(t) u) dt`, `u = c . Y`, `dY = A Y dt + b w(t) dB` it carries the density `rho` of `S`, the mean
 /// `m(s)` of `Y` given `S = s` and the covariance of `Y` given `S`. Given it, the first two are exact:
@@ -47,7 +47,7 @@ use crate::systems::Filtered;
 /// Source: this project; the equations are the first two moments of the Fokker-Planck equation of `(S, Y)` in `Y`.
 ///
 /// ```
-/// use fpk_sph::systems::{
+/// use vibrating_systems::{
 ///     Filter, Filtered, KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters, Window,
 /// };
 /// use fpk_sph::{ConditionedSimulation, Config, DEFAULT_MOST_STEPS, InitialLattice, Method};

@@ -77,6 +77,6 @@ mod tests {
             Method::FlowMapFit.combination_in(5),
             "settling alone"
         );
-        assert_eq!(config(Method::LogDensityFit).with_slower_settling(), None);
+        assert_eq!(config(Method::CanorDenoel2013).with_slower_settling(), None);
     }
 }

@@ -30,18 +30,6 @@ pub enum Error {
         /// What was given.
         value: f64,
     },
-    /// A parameter must be greater than another.
-    #[error("{name} is {value}; it must be greater than {other}, which is {limit}")]
-    OutOfOrder {
-        /// The parameter.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-        /// The parameter it must exceed.
-        other: &'static str,
-        /// The value of that one.
-        limit: f64,
-    },
     /// A parameter lies outside an interval.
     #[error("{name} is {value}; it must be from {from} to {to}")]
     OutOfRange {
@@ -63,32 +51,6 @@ pub enum Error {
         count: usize,
         /// How many are needed.
         limit: usize,
-    },
-    /// The rows of a table do not increase.
-    #[error("{name}: row {row} is at {value}; it must be greater than the row before it, {limit}")]
-    NotIncreasing {
-        /// The table.
-        name: &'static str,
-        /// The first row, from 0, that is not greater than the one before it.
-        row: usize,
-        /// Its value.
-        value: f64,
-        /// The value of the row before it.
-        limit: f64,
-    },
-    /// A linear system has no stationary distribution: not all of its modes decay.
-    #[error(
-        "{name} has no stationary law: after a time of {time:e} its transition is still {value:e}, above {limit:e}"
-    )]
-    NoStationaryLaw {
-        /// The system.
-        name: &'static str,
-        /// How long was waited.
-        time: f64,
-        /// The largest entry of the transition matrix then.
-        value: f64,
-        /// What it had to fall below.
-        limit: f64,
     },
     /// The lattice holds too few particles to carry a density.
     #[error("the lattice holds {count} particles; at least {limit} are needed in {dimension}-D")]
@@ -132,21 +94,6 @@ pub enum Error {
         limit: usize,
         /// The dimension.
         dimension: usize,
-    },
-    /// The particles of the cloud have too few neighbours on average: they have run apart or clumped.
-    #[error(
-        "step {step}, t = {time}: the particles have {mean:.1} neighbours with themselves on average; \
-         the estimator needs {limit:.1}"
-    )]
-    CloudTooSparse {
-        /// Steps taken.
-        step: u64,
-        /// Time.
-        time: f64,
-        /// Mean number of neighbours, the particle itself included.
-        mean: f64,
-        /// The least that the estimator needs.
-        limit: f64,
     },
     /// A particle has fewer neighbours than the local fit has unknowns.
     #[error(
@@ -234,21 +181,15 @@ pub enum Error {
         /// The largest stable step.
         limit: f64,
     },
-    /// A scheme whose step must be stable in every cell, where some are to be left out.
+    /// An integral over deformed cells needs an estimator that follows the flow map.
     #[error(
-        "the scheme {scheme:?} must be stable in every cell, and `negligible` leaves out {negligible:e} of the second moments: \
-         set it to 0, or use LawsonAdamsBashforth2 or a Runge-Kutta scheme of order 4"
+        "the estimator follows no flow map, which integrals over cells need: use FlowMapFit, or the indicator or log-interpolated estimate"
     )]
-    SchemeNeedsAllStable {
-        /// The scheme.
-        scheme: Scheme,
-        /// [`Combination::negligible`](crate::Combination::negligible).
-        negligible: f64,
-    },
+    NoFlowMap,
     /// A scheme needs the linear part of the drift, and the system declares none.
     #[error(
         "the scheme {scheme:?} needs the linear part of the drift, and the system declares none: \
-         implement `Sde::linear_part`, or use RungeKutta4 or RungeKuttaChebyshev"
+         implement `Sde::linear_part`, or use RungeKutta4"
     )]
     NoLinearPart {
         /// The scheme.
@@ -423,6 +364,9 @@ pub enum Error {
     /// The initial distribution or the system was refused.
     #[error(transparent)]
     Sde(#[from] sde_integrators::Error),
+    /// A structure, filter or window was refused.
+    #[error(transparent)]
+    System(#[from] vibrating_systems::Error),
     /// The neighbour search refused its input.
     #[error(transparent)]
     Neighbours(#[from] neighbour_search::Error),

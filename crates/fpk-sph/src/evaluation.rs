@@ -7,12 +7,12 @@ use crate::coefficients::Coefficients;
 use crate::discretisation::Discretisation;
 use crate::error::Error;
 use crate::extremes::first_smallest;
-use crate::matrix::Matrix;
 use crate::metric::{Metric, Whitening, mean_and_covariance};
-use crate::parallel::{BLOCK, fill, for_each_block};
+use crate::parallel::{BLOCK, for_each_block};
 use crate::report::Work;
 use crate::score::Estimates;
 use crate::state::State;
+use vibrating_systems::matrix::Matrix;
 
 /// What one evaluation of the right-hand side holds.
 #[derive(Debug)]
@@ -23,8 +23,6 @@ pub(crate) struct Evaluation<const D: usize> {
     pub(crate) estimates: Estimates<D>,
     /// `D` in the metric at every particle, or once for all.
     diffusion: Vec<[[f64; D]; D]>,
-    /// Velocities in the metric.
-    whitened_velocity: Vec<[f64; D]>,
     /// Parts of the particles in the second moments; empty where none is neglected.
     weights: Vec<f64>,
     pub(crate) work: Work,
@@ -112,41 +110,6 @@ impl<const D: usize> WhitenedCloud<D> {
         1.0 + self.neighbours(discretisation).n_pairs() as f64 / self.positions.len() as f64
     }
 
-    /// `dy/dt` for particles that move at `v`, up to a part that is the same for all,
-    ///
-    /// $$ \frac{dy}{dt} = w - M y, \qquad w = L^{-1} v, \qquad M + M^T = \langle y w^T + w y^T \rangle , $$
-    ///
-    /// with the lower triangular `M = L^-1 dL/dt`, which keeps the covariance of `y` the unit matrix, where the metric does.
-    fn velocity_in_metric(
-        &self,
-        metric: Metric,
-        masses: &[f64],
-        v: &[[f64; D]],
-        u: &mut [[f64; D]],
-    ) {
-        fill(u, |i| self.whitening.whiten_vector(&v[i]));
-        if metric == Metric::Isotropic {
-            return;
-        }
-        let total: f64 = masses.iter().sum();
-        let mut turning = [[0.0; D]; D];
-        for ((y, w), mass) in self.positions.iter().zip(&*u).zip(masses) {
-            for k in 0..D {
-                turning[k][k] += mass * y[k] * w[k] / total;
-                for l in 0..k {
-                    turning[k][l] += mass * (y[k] * w[l] + w[k] * y[l]) / total;
-                }
-            }
-        }
-        for (y, w) in self.positions.iter().zip(u) {
-            for k in 0..D {
-                for l in 0..=k {
-                    w[k] -= turning[k][l] * y[l];
-                }
-            }
-        }
-    }
-
     /// The cloud as an estimator sees it.
     pub(crate) fn view<'a>(
         &'a self,
@@ -190,7 +153,6 @@ impl<const D: usize> Evaluation<D> {
             cloud: WhitenedCloud::new(n),
             estimates: Estimates::new(n),
             diffusion: Vec::new(),
-            whitened_velocity: vec![[0.0; D]; n],
             weights: Vec::with_capacity(n),
             work: Work::default(),
         }
@@ -203,18 +165,12 @@ impl<const D: usize> Evaluation<D> {
         state: &State<D>,
         stage: Stage<'_, D>,
     ) -> Result<(), Error> {
-        let (estimator, t) = (&discretisation.estimator, stage.t);
         self.cloud.whiten(discretisation, state, stage)?;
         self.work.evaluations += 1;
-        if let Some(criterion) = estimator.criterion() {
+        if let Some(criterion) = discretisation.estimator.criterion() {
             self.cloud.find_neighbours(criterion)?;
         }
         self.work.neighbour_visits += self.cloud.neighbours(discretisation).n_pairs() as u64;
-        let mean = self.cloud.neighbours_mean(discretisation);
-        let limit = estimator.fewest_mean_neighbours();
-        if estimator.criterion().is_some() && mean < limit {
-            return Err(Error::CloudTooSparse { step: state.n_steps, time: t, mean, limit });
-        }
         Ok(())
     }
 
@@ -258,21 +214,6 @@ impl<const D: usize> Evaluation<D> {
             system.velocity(t, &x[block], score, v);
         });
         Ok(())
-    }
-
-    /// The rates of the smoothing lengths, `d log h / dt`, for particles that move at `v`; empty where the estimator gives
-    /// none.
-    pub(crate) fn smoothing_rates(
-        &mut self,
-        discretisation: &Discretisation<D>,
-        state: &State<D>,
-        v: &[[f64; D]],
-        rates: &mut Vec<f64>,
-    ) {
-        let Self { cloud, whitened_velocity: u, .. } = self;
-        cloud.velocity_in_metric(discretisation.combination.metric, &state.masses, v, u);
-        let cloud = cloud.view(discretisation, state, state.time);
-        discretisation.estimator.smoothing_rates(&cloud, u, rates);
     }
 
     /// The particle that spreads fastest against what the estimator resolves, and its rate there, at the worse of two times:

@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-mod chebyshev;
 mod cloud;
 mod coefficients;
 mod compiled;
@@ -13,7 +12,6 @@ mod evaluation;
 mod extremes;
 mod lattice;
 mod linear_filter;
-mod matrix;
 mod method;
 mod metric;
 pub mod observables;
@@ -34,14 +32,13 @@ mod start;
 mod state;
 mod step;
 mod step_length;
-pub mod systems;
 mod time_schemes;
 
 pub use cloud::{AxisNeighbours, Cloud};
 pub use conditioned::ConditionedSimulation;
 pub use config::{COLLAPSED_STEP, Config, DEFAULT_MOST_STEPS};
 pub use error::Error;
-pub use method::{Combination, Estimator, InitialSmoothing, MOST_NEGLIGIBLE, Method, StepRule};
+pub use method::{Combination, Estimator, MOST_NEGLIGIBLE, Method, StepRule};
 pub use metric::Metric;
 pub use reach::{MOST_OUTSIDE, ball_reach, box_reach};
 pub use refine::{Refined, RefinedValue, Refinement, RefinementEnd, RefinementRun, refine};

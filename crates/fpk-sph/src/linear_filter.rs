@@ -1,9 +1,9 @@
 //! A linear filter of any number of states, and the moments of these states given those of the structure.
 
 use crate::error::Error;
-use crate::matrix::Matrix;
 use crate::metric::Whitening;
-use crate::systems::{Filter, Window};
+use vibrating_systems::matrix::Matrix;
+use vibrating_systems::{Filter, Window};
 
 /// States of a filter at most: a state has six, of which the structure has one at least.
 pub(crate) const MOST_FILTER_STATES: usize = 5;
@@ -48,13 +48,13 @@ impl LinearFilter {
         let (mut matrix, mut noise, mut output) =
             (FilterMatrix::default(), FilterVector::default(), FilterVector::default());
         for k in 0..F {
-            matrix[k][..F].copy_from_slice(&filter.matrix[k]);
-            (noise[k], output[k]) = (filter.noise[k], filter.output[k]);
+            matrix[k][..F].copy_from_slice(&filter.matrix()[k]);
+            (noise[k], output[k]) = (filter.noise()[k], filter.output()[k]);
         }
         let factor = Whitening::of_covariance([0.0; F], filter.stationary_covariance(), (0, 0.0))?;
         let column = |l: usize| {
             let along = factor.unwhiten(&std::array::from_fn(|k| f64::from(u8::from(k == l))));
-            let moved = filter.matrix.map(|row| row.iter().zip(&along).map(|(a, y)| a * y).sum());
+            let moved = filter.matrix().map(|row| row.iter().zip(&along).map(|(a, y)| a * y).sum());
             factor.whiten_vector(&moved)
         };
         let squares = (0..F).flat_map(column).map(|value| value * value);

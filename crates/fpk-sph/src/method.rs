@@ -6,9 +6,7 @@ use crate::error::{Error, positive, within};
 use crate::metric::Metric;
 use crate::remap::Remapping;
 use crate::scheme::Scheme;
-use crate::score::{
-    Degree, FlowMapFit, LogDensityFit, ScoreEstimator, SummationDensity, VolumeEstimate,
-};
+use crate::score::{Degree, FlowMapFit, ScoreEstimator, SummationDensity};
 use crate::settling::Settling;
 
 /// A named combination of estimator, metric, smoothing lengths and time stepping.
@@ -20,12 +18,9 @@ pub enum Method {
     /// paper does not give. Its lattice in section 4.1 is
     /// [`InitialLattice::CANOR_DENOEL_2013`](crate::InitialLattice::CANOR_DENOEL_2013).
     CanorDenoel2013,
-    /// The better one: log-density fit in whitened coordinates with deformed-lattice volumes, Runge-Kutta 4 with steps
-    /// up to a fortieth of the period, within the diffusion limit.
-    LogDensityFit,
-    /// The best where the flow does not fold the cloud: a cubic flow-map fit over the lattice of the start, in whitened
-    /// coordinates, stepped as [`Self::LogDensityFit`]. No neighbour search, so a step costs a fifth. Quadratic from five
-    /// states on ([`Self::combination_in`]).
+    /// A cubic flow-map fit over the lattice of the start, in whitened coordinates, with deformed cells as volumes.
+    /// Runge-Kutta 4 with steps up to a fortieth of the period, within the diffusion limit. Quadratic from five states on
+    /// ([`Self::combination_in`]).
     FlowMapFit,
     /// Any other combination.
     Custom(Combination),
@@ -41,8 +36,6 @@ pub struct Combination {
     /// `support_radius / spacing` of the initial lattice, whatever the kernel; the spacing is the D-th root of the cell
     /// volume in the coordinates of the metric.
     pub support_over_spacing: f64,
-    /// How the smoothing lengths start.
-    pub initial_smoothing: InitialSmoothing,
     /// The scheme in time.
     pub scheme: Scheme,
     /// The rule that sets the step.
@@ -53,8 +46,7 @@ pub struct Combination {
     /// `sum mu_i |y_i|^2` over the cells that spread fastest, over that of all, in the coordinates of the metric.
     ///
     /// The step may exceed the limit of stability there. Waves of one spacing then grow until cells turn over, which the
-    /// estimator repairs, so positions in the tails are less accurate. 0 keeps every cell stable. Not with
-    /// [`Scheme::RungeKuttaChebyshev`], whose long steps of few stages let the waves grow without end.
+    /// estimator repairs, so positions in the tails are less accurate. 0 keeps every cell stable.
     pub negligible: f64,
 }
 
@@ -67,13 +59,6 @@ pub const MOST_NEGLIGIBLE: f64 = 0.03;
 pub enum Estimator {
     /// [`SummationDensity`].
     SummationDensity,
-    /// [`LogDensityFit`] with the given volumes and degree.
-    LogDensityFit {
-        /// How the volume of a particle is found.
-        volume: VolumeEstimate,
-        /// Degree of the local polynomial.
-        degree: Degree,
-    },
     /// [`FlowMapFit`].
     FlowMapFit {
         /// Degree of the local polynomial.
@@ -83,18 +68,6 @@ pub enum Estimator {
         /// How fast positions lose what the fit does not see.
         settling: Settling,
     },
-}
-
-/// How the smoothing lengths `h_0i` start, which eq 20 then carries on: `h_i = h_0i (V_i / V_0i)^(1/D)`, with the
-/// volumes of a step's first stage. Within the step they follow the rates of the estimator
-/// ([`ScoreEstimator::smoothing_rates`]).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InitialSmoothing {
-    /// The same for all particles, from the lattice's spacing.
-    Uniform,
-    /// Iterated until `h_i` is `support_over_spacing / support` times `V_i^(1/D)`: particles at the rim, whose
-    /// neighbours lie on one side, reach further and keep their number.
-    Iterated,
 }
 
 /// What sets the step.
@@ -169,22 +142,8 @@ impl Method {
                 estimator: Estimator::SummationDensity,
                 metric: Metric::Isotropic,
                 support_over_spacing: 2.5,
-                initial_smoothing: InitialSmoothing::Uniform,
                 scheme: Scheme::ForwardEuler,
                 step: StepRule::Courant { number: 0.8 },
-                remapping: None,
-                negligible: 0.0,
-            },
-            Self::LogDensityFit => Combination {
-                estimator: Estimator::LogDensityFit {
-                    volume: VolumeEstimate::DeformedLattice,
-                    degree: Degree::Quadratic,
-                },
-                metric: Metric::Whitened,
-                support_over_spacing: 2.5,
-                initial_smoothing: InitialSmoothing::Iterated,
-                scheme: Scheme::RungeKutta4,
-                step: StepRule::PeriodFraction { steps_per_period: 40.0 },
                 remapping: None,
                 negligible: 0.0,
             },
@@ -196,7 +155,6 @@ impl Method {
                 },
                 metric: Metric::Whitened,
                 support_over_spacing: 2.8,
-                initial_smoothing: InitialSmoothing::Uniform,
                 scheme: Scheme::RungeKutta4,
                 step: StepRule::PeriodFraction { steps_per_period: 40.0 },
                 remapping: None,
@@ -212,10 +170,6 @@ impl Combination {
     pub(crate) fn check(&self) -> Result<(), Error> {
         positive("support_over_spacing", self.support_over_spacing)?;
         within("negligible", self.negligible, 0.0, MOST_NEGLIGIBLE)?;
-        if self.negligible > 0.0 && self.scheme == Scheme::RungeKuttaChebyshev {
-            let (scheme, negligible) = (self.scheme, self.negligible);
-            return Err(Error::SchemeNeedsAllStable { scheme, negligible });
-        }
         if let Estimator::FlowMapFit { thinnest, .. } = self.estimator {
             positive("thinnest", thinnest)?;
         }
@@ -242,9 +196,6 @@ impl Estimator {
     pub fn build<const D: usize>(self) -> Box<dyn ScoreEstimator<D> + Sync> {
         match self {
             Self::SummationDensity => Box::new(SummationDensity { kernel: Lucy }),
-            Self::LogDensityFit { volume, degree } => {
-                Box::new(LogDensityFit { kernel: Lucy, volume, degree })
-            }
             Self::FlowMapFit { degree, thinnest, settling } => {
                 Box::new(FlowMapFit::with_settling(degree, thinnest, settling))
             }

@@ -1,8 +1,7 @@
 //! Loops over particles whose every output bit is the same for any number of threads: each particle writes its own
 //! entry, and nothing is summed across particles here.
 
-use crate::error::Error;
-use crate::score::{Estimates, Fits};
+use crate::score::Estimates;
 
 /// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
 pub(crate) const BLOCK: usize = 128;
@@ -135,59 +134,4 @@ pub(crate) fn for_each_particle<const D: usize>(
     for i in 0..out.score.len() {
         write(i, &mut out.score[i], &mut out.density[i], &mut out.volume[i]);
     }
-}
-
-/// Parts into which fits are divided at most, each with scratch of its own.
-const MOST_PARTS: usize = 64;
-
-/// Parts into which fits around `n` particles are divided.
-pub(crate) fn n_fit_parts(n: usize) -> usize {
-    n.div_ceil(BLOCK).min(MOST_PARTS)
-}
-
-/// `write(scratch, first, score, volume)` for a part of the particles with each scratch, the first of which is `first`, and
-/// how well the fits were determined; of several errors, that of the lowest particle. Counts and a smallest value do not
-/// depend on what the threads did.
-pub(crate) fn for_each_fit<const D: usize, W: Send>(
-    score: &mut [[f64; D]],
-    volume: &mut [f64],
-    scratch: &mut [W],
-    write: impl Fn(&mut W, usize, &mut [[f64; D]], &mut [f64]) -> Result<Fits, Failed> + Sync,
-) -> Result<Fits, Error> {
-    let size = score.len().div_ceil(scratch.len().max(1)).max(1);
-    #[cfg(feature = "rayon")]
-    if is_shared(score.len()) {
-        use rayon::prelude::*;
-        let both = |one: Result<Fits, Failed>, other: Result<Fits, Failed>| match (one, other) {
-            (Ok(one), Ok(other)) => Ok(one.and(other)),
-            (Err(one), Err(other)) => Err(if other.particle < one.particle { other } else { one }),
-            (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(error),
-        };
-        return score
-            .par_chunks_mut(size)
-            .zip(volume.par_chunks_mut(size))
-            .zip(scratch)
-            .enumerate()
-            .map(|(k, ((score, volume), scratch))| write(scratch, k * size, score, volume))
-            .reduce(|| Ok(Fits::default()), both)
-            .map_err(|failed| failed.error);
-    }
-    let mut all = Fits::default();
-    let parts = score.chunks_mut(size).zip(volume.chunks_mut(size)).zip(scratch);
-    for (k, ((score, volume), scratch)) in parts.enumerate() {
-        let fits = write(scratch, k * size, score, volume);
-        all = all.and(fits.map_err(|failed| failed.error)?);
-    }
-    Ok(all)
-}
-
-/// The fit of a particle that could not be made.
-#[derive(Debug)]
-pub(crate) struct Failed {
-    #[cfg_attr(
-        not(feature = "rayon"),
-        expect(dead_code, reason = "one thread meets the lowest first")
-    )]
-    pub(crate) particle: usize,
-    pub(crate) error: Error,
 }

@@ -8,7 +8,6 @@ use crate::coefficients::OfSystem;
 use crate::compiled::passes;
 use crate::config::Config;
 use crate::error::{Error, finite};
-use crate::matrix::Matrix;
 use crate::observables::{CellIntegral, DensityField};
 use crate::parallel::in_pool;
 use crate::remap::{Remapped, Remapping};
@@ -16,6 +15,7 @@ use crate::report::{StepReport, Work};
 use crate::scheme::Scheme;
 use crate::score::ScoreEstimator;
 use crate::solver::Solver;
+use vibrating_systems::matrix::Matrix;
 
 /// The density of a system on moving particles (Canor & Denoël 2013, eq 11-14):
 ///
@@ -184,10 +184,10 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         (passes().restore)(&mut self.solver, &mut reader)
     }
 
-    /// The density as a function, from local fits at the present positions.
+    /// The density as a function, over the deformed cells of the flow map at the present positions.
     ///
     /// # Errors
-    /// Those of the local fits: too few neighbours, a singular covariance.
+    /// [`Error::NoFlowMap`] for an estimator that follows none; those of the metric.
     pub fn cell_integral(&self) -> Result<CellIntegral<D>, Error> {
         (passes().cell_integral)(&self.solver)
     }

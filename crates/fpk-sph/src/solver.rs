@@ -8,7 +8,6 @@ use crate::discretisation::Discretisation;
 use crate::error::{Error, positive};
 use crate::evaluation::Evaluation;
 use crate::lattice::ParticleLattice;
-use crate::method::InitialSmoothing;
 use crate::report::Work;
 use crate::score::ScoreEstimator;
 use crate::smoothing::Smoothing;
@@ -76,33 +75,16 @@ impl<const D: usize> Solver<D> {
             smoothing: Smoothing::new(n),
         };
         solver.discretisation.lay(ParticleLattice::new(start.indices, spacing))?;
-        solver.start_smoothing_lengths(h, spacing)?;
+        solver.start_smoothing_lengths(h)?;
         Ok(solver)
     }
 
     /// Sets `h_0i` and the product that eq 20 keeps.
-    pub(crate) fn start_smoothing_lengths(&mut self, h: f64, spacing: f64) -> Result<(), Error> {
+    pub(crate) fn start_smoothing_lengths(&mut self, h: f64) -> Result<(), Error> {
         let Self { discretisation, state, evaluation, .. } = self;
-        match discretisation.combination.initial_smoothing {
-            InitialSmoothing::Uniform => {
-                evaluation.estimate(discretisation, state, state.stage())?;
-                for (ratio, volume) in
-                    state.smoothing_ratios.iter_mut().zip(&evaluation.estimates.volume)
-                {
-                    *ratio = h / volume.powf(1.0 / D as f64);
-                }
-            }
-            InitialSmoothing::Iterated => {
-                state.smoothing_ratios.fill(h / spacing);
-                for _ in 0..MOST_SMOOTHING_ITERATIONS {
-                    evaluation.estimate(discretisation, state, state.stage())?;
-                    if state.update_smoothing_lengths(&evaluation.estimates.volume)
-                        < SMOOTHING_TOLERANCE
-                    {
-                        break;
-                    }
-                }
-            }
+        evaluation.estimate(discretisation, state, state.stage())?;
+        for (ratio, volume) in state.smoothing_ratios.iter_mut().zip(&evaluation.estimates.volume) {
+            *ratio = h / volume.powf(1.0 / D as f64);
         }
         Ok(())
     }
@@ -164,8 +146,3 @@ impl<const D: usize> Solver<D> {
         Ok(evaluation)
     }
 }
-
-/// Relative change of smoothing lengths at which their iteration has settled: well below what changes a neighbour list.
-const SMOOTHING_TOLERANCE: f64 = 1e-3;
-/// The iteration contracts by about a half each time; what is left after this many is carried on by eq 20.
-const MOST_SMOOTHING_ITERATIONS: usize = 30;

@@ -58,10 +58,8 @@ impl<const D: usize> Solver<D> {
             previous: state.previous.as_ref(),
             linear: system.linear_part().unwrap_or([[0.0; D]; D]),
             dt,
-            share_of_limit: dt / length.diffusion_limit,
         };
         stages.advance(scheme, &begin, |t, x, v| {
-            smoothing.follow(t - t_0);
             let stage = Stage { t, x, smoothing_lengths: &smoothing.lengths };
             evaluation.velocity(system, discretisation, state, stage, v)
         })?;
@@ -72,13 +70,11 @@ impl<const D: usize> Solver<D> {
         discretisation.estimator.settle(&mut stages.x, scratch, part);
         check_finite(&stages.x, &[], (state.n_steps, t_1))?;
 
-        match scheme {
-            Scheme::LeapFrog => state.remember_positions(dt),
-            Scheme::LawsonAdamsBashforth2 => state.remember_rates(first, dt),
-            _ => {}
+        if scheme == Scheme::LawsonAdamsBashforth2 {
+            state.remember_rates(first, dt);
         }
         state.positions.copy_from_slice(&stages.x);
-        smoothing.finish(state, &evaluation.estimates.volume, dt);
+        smoothing.finish(state);
         state.n_steps += 1;
         state.time = t_1;
         Ok(observed)
@@ -107,12 +103,11 @@ impl<const D: usize> Solver<D> {
             self.first_velocity(system)?;
         }
         self.check_resolved()?;
-        let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
+        let Self { discretisation, state, evaluation, smoothing, .. } = self;
         if discretisation.estimator.criterion().is_none() {
             smoothing.start_on_lattice(state, &evaluation.estimates.volume);
         } else {
             smoothing.start(state, &evaluation.estimates.volume);
-            evaluation.smoothing_rates(discretisation, state, &stages.k[0], &mut smoothing.rates);
         }
         Ok(remapped)
     }

@@ -1,10 +1,10 @@
-//! Exceedance probabilities from sampled paths: importance sampling at a design point, and subset simulation.
+//! Exceedance probabilities at one time by subset simulation of paths.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use sde_integrators::{
-    DrivenPath, Error, Estimate, GaussianMixture, Integrator, Noise, SubsetConfig, Uncertainty,
-    design_point, importance_sampling, subset_simulation,
+    DrivenPath, Error, Estimate, GaussianMixture, Integrator, Noise, SubsetConfig,
+    subset_simulation,
 };
 
 use crate::cholesky::cholesky;
@@ -18,7 +18,7 @@ type PathEnd<'a, const D: usize> = dyn Fn([f64; D], &[f64]) -> Result<[f64; D], 
 /// Paths are functions of independent standard normals: first those of the initial distribution, then those of the
 /// steps.
 ///
-/// Source: Der Kiureghian 2000, The geometry of random vibrations and solutions by FORM and SORM.
+/// Source: Au and Beck 2001, Estimation of small failure probabilities in high dimensions by subset simulation.
 pub struct TailPaths<'a, const D: usize> {
     path: Box<PathEnd<'a, D>>,
     n_normals: usize,
@@ -28,14 +28,12 @@ pub struct TailPaths<'a, const D: usize> {
     followed: AtomicU64,
 }
 
-/// The tails that importance sampling and guided paths cover.
+/// The tails that guided paths cover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tails {
     /// The upper tail, doubled: for distributions symmetric about zero.
     Doubled,
-    /// Both tails, each at its own design point.
-    ///
-    /// Importance sampling takes the same noise for both, so the sum of their standard errors is a bound.
+    /// Both tails.
     Both,
     /// The upper tail alone, `P(y > T)`.
     Upper,
@@ -137,43 +135,6 @@ impl<'a, const D: usize> TailPaths<'a, D> {
         });
         let end = (self.path)(start, rest)?;
         Ok(self.weights.iter().zip(end).map(|(weight, x)| weight * x).sum())
-    }
-
-    /// Importance sampling at the design point of `y > T`, and of `-y > T` for [`Tails::Both`], with `n_samples` each.
-    ///
-    /// The normals are sampled about the design point $u^\ast$, the nearest point to the origin at which the demand is $T$:
-    ///
-    /// $$ \hat p = \frac1n \sum_k 1_{y(u^\ast + z_k) > T}\, e^{-u^\ast \cdot z_k - |u^\ast|^2/2}, \qquad z_k \sim \mathcal N(0, I) . $$
-    ///
-    /// The error is unknown where no sample exceeds a threshold.
-    ///
-    /// # Errors
-    /// [`TailError::Sampling`], also for a tail without a design point ([`Error::NoDesignPoint`]).
-    pub fn importance(
-        &self,
-        threshold: f64,
-        tails: Tails,
-        n_samples: u64,
-        seed: u64,
-    ) -> Result<Estimate, TailError> {
-        let above = |side: f64| -> Result<Estimate, TailError> {
-            let response = |normals: &[f64]| Ok(side * self.demand(normals)?);
-            let point = design_point(&response, self.n_normals, threshold)?;
-            Ok(importance_sampling(&response, threshold, &point, &Noise::new(seed), n_samples)?)
-        };
-        let upper = above(1.0)?;
-        if tails == Tails::Upper {
-            return Ok(upper);
-        }
-        let lower = if tails == Tails::Both { above(-1.0)? } else { upper };
-        let uncertainty = match (upper.uncertainty, lower.uncertainty) {
-            (Uncertainty::StandardError(a), Uncertainty::StandardError(b)) => {
-                Uncertainty::StandardError(a + b)
-            }
-            (Uncertainty::Bound(a), Uncertainty::Bound(b)) => Uncertainty::Bound(a + b),
-            _ => Uncertainty::Unknown,
-        };
-        Ok(Estimate { value: upper.value + lower.value, uncertainty })
     }
 
     /// Subset simulation of `|y| > T`: the standard error is the scatter of the runs.

@@ -19,12 +19,10 @@ pub(crate) mod monte_carlo;
 pub(crate) mod passage_benchmarks;
 pub(crate) mod reliability_benchmarks;
 pub(crate) mod rivals;
-pub(crate) mod schemes;
 pub(crate) mod shear_building;
 pub(crate) mod spatial_order;
 pub(crate) mod stated_errors;
 pub(crate) mod stationary_oscillators;
-pub(crate) mod steps;
 pub(crate) mod time_schemes;
 pub(crate) mod viscous_damper;
 

@@ -1,8 +1,6 @@
 //! A lattice cell as the flow has deformed it, with the density over it.
 
-use crate::cloud::AxisNeighbours;
-use crate::error::Error;
-use crate::score::{LocalFit, LocalMap, determinant, lattice_jacobian};
+use crate::score::LocalMap;
 
 /// `y(u) = centre + E u + u.K u / 2` and the mass per unit of `u`, `weight exp(slope.u + u.bend u / 2)`, in lattice
 /// coordinates `u` of the cell, from -1/2 to 1/2.
@@ -16,8 +14,6 @@ pub(super) struct Cell<const D: usize> {
     pub(super) beyond: Vec<[i32; D]>,
     /// Mass with what lies beyond.
     pub(super) mass: f64,
-    /// Whether the fit makes of the particle's mass what it should, within `MOST_MASS_RATIO` of the integral.
-    pub(super) trusted: bool,
 }
 
 /// Subdivisions of a cell per axis: about a hundred points where the dimension allows.
@@ -32,42 +28,6 @@ pub(super) const fn subdivisions(dimension: usize) -> usize {
 }
 
 impl<const D: usize> Cell<D> {
-    /// The cell as the flow has deformed it, with the quadratic of log density around its particle.
-    pub(super) fn of_fit(
-        positions: &[[f64; D]],
-        lattice: &[AxisNeighbours<D>],
-        i: usize,
-        fit: &LocalFit<D>,
-    ) -> Result<Self, Error> {
-        let edges =
-            lattice_jacobian(positions, lattice, i).ok_or(Error::NoLatticeCell { particle: i })?;
-        let (mut slope, mut bend) = ([0.0; D], [[0.0; D]; D]);
-        for a in 0..D {
-            slope[a] = (0..D).map(|k| fit.gradient[k] * edges[k][a]).sum();
-            for b in 0..D {
-                for k in 0..D {
-                    bend[a][b] +=
-                        (0..D).map(|l| edges[k][a] * fit.hessian[k][l] * edges[l][b]).sum::<f64>();
-                }
-            }
-        }
-        let weight = fit.log_density.exp() * determinant(&edges).abs();
-        let curvature = [[[0.0; D]; D]; D];
-        let map = LocalMap { edges, curvature, slope, bend, resolved: true };
-        Ok(Self { centre: positions[i], map, weight, beyond: vec![], mass: 0.0, trusted: true })
-    }
-
-    /// The fit turns too sharply for this cell: keep its shape, but only the particle's own mass.
-    pub(super) fn hold_own_mass(&mut self, particle_mass: f64, ratio: f64) {
-        self.trusted = false;
-        if ratio.is_finite() && ratio > 0.0 {
-            self.weight /= ratio;
-        } else {
-            self.weight = particle_mass;
-            (self.map.slope, self.map.bend) = ([0.0; D], [[0.0; D]; D]);
-        }
-    }
-
     /// Takes in those places beyond the cloud towards which the mass falls. A cell that goes on has its map taken as
     /// affine: a curvature by neighbours on one side is no ground to go beyond them.
     pub(super) fn go_on(&mut self, beyond: Vec<[i32; D]>) {

@@ -5,17 +5,17 @@ use std::collections::{HashMap, HashSet};
 use super::cell::{Cell, Part, subdivisions, variation};
 use super::probability::Probability;
 use crate::error::{Error, finite};
+use crate::evaluation::Evaluation;
 use crate::lattice::index_of_place;
 use crate::metric::Whitening;
 use crate::score::LocalMap;
 use crate::solver::Solver;
 
-/// The density as a function: around each particle `psi_i exp(g.u + u.H u / 2)` over the lattice cell as the flow has
-/// deformed it, with the local fit of log density. The cells tile the cloud where the flow is affine over a spacing.
+/// The density as a function: around each particle the mass per lattice cell, over the cell as the flow has deformed it, by the
+/// flow map of an estimator that follows it. The cells tile the cloud where the flow is affine over a spacing.
 ///
-/// Cells at the rim go on outward by [`TAIL_SPACINGS`] spacings where the fit falls outward, so that the tail does not
-/// end with the last particle. In a cell where the fit makes of the particle's mass less than half or more than twice,
-/// the fit is not trusted beyond the cell: the cell holds its particle's own mass, with the shape of the fit.
+/// Cells at the rim go on outward by [`TAIL_SPACINGS`] spacings where the mass falls outward, so that the tail does not
+/// end with the last particle.
 #[derive(Debug)]
 pub struct CellIntegral<const D: usize> {
     whitening: Whitening<D>,
@@ -30,7 +30,6 @@ pub struct Exceedance {
     estimate: f64,
     beyond_the_cloud: f64,
     unresolved: f64,
-    distrusted: f64,
     outside: f64,
 }
 
@@ -53,12 +52,6 @@ impl Exceedance {
         self.unresolved
     }
 
-    /// The part of it that rests on cells in which the fit is not trusted, with their particles' own masses.
-    #[must_use]
-    pub const fn distrusted(&self) -> f64 {
-        self.distrusted
-    }
-
     /// What the lattice left outside ([`mass_outside`](crate::Simulation::mass_outside)); no part of the probability.
     #[must_use]
     pub const fn outside(&self) -> f64 {
@@ -79,19 +72,12 @@ impl Exceedance {
         if !cell.map.resolved {
             self.unresolved += of_cell;
         }
-        if !cell.trusted {
-            self.distrusted += of_cell;
-        }
     }
 }
 
 /// Spacings by which a cell at the rim goes on outward. At 6 standard deviations and a spacing of 0.3, three of them
 /// hold all but 0.4 % of what lies beyond.
 pub const TAIL_SPACINGS: i32 = 3;
-
-/// A cell's mass by the fit over its particle's mass, above which (or below its inverse) the fit is not trusted. A
-/// Gaussian at 6 standard deviations and a spacing of 0.45 gives 1.34.
-const MOST_MASS_RATIO: f64 = 2.0;
 
 /// Places on the lattice within [`TAIL_SPACINGS`] steps of the cloud but not in it, each as a step from the particle
 /// nearest to it, the lowest where several are. The cells of the cloud and these tile the lattice without overlap.
@@ -146,79 +132,35 @@ fn steps_beyond<const D: usize>() -> Vec<[i32; D]> {
 
 impl<const D: usize> CellIntegral<D> {
     pub(crate) fn new(solver: &Solver<D>) -> Result<Self, Error> {
-        let beyond = beyond_the_cloud(&solver.discretisation.lattice.places);
-        let masses = &solver.state.masses;
-        if let Some((cloud, maps)) = solver.local_maps()? {
-            let cell = |(i, map): (usize, LocalMap<D>)| Cell {
-                centre: cloud.positions[i],
-                map,
-                weight: masses[i],
-                beyond: vec![],
-                mass: 0.0,
-                trusted: true,
-            };
-            let cells = maps.into_iter().enumerate().map(cell).collect();
-            return Ok(Self::finish(solver, cloud.whitening, cells, (beyond, None)));
+        let Solver { discretisation, state, .. } = solver;
+        if discretisation.estimator.criterion().is_some() {
+            return Err(Error::NoFlowMap);
         }
-        let (cloud, fits) = solver.local_fits()?;
-        let cells = fits
-            .iter()
-            .enumerate()
-            .map(|(i, fit)| {
-                Cell::of_fit(
-                    &cloud.positions,
-                    &solver.discretisation.lattice.axis_neighbours,
-                    i,
-                    fit,
-                )
-            })
-            .collect::<Result<_, _>>()?;
-        Ok(Self::finish(solver, cloud.whitening, cells, (beyond, Some(masses))))
-    }
-
-    /// Holds every cell against its particle's mass, where it rests on a fit of the density, and lets those that are
-    /// trusted go on beyond the cloud. A flow map needs no trust: its cell holds the mass that it held at the start.
-    fn finish(
-        solver: &Solver<D>,
-        whitening: Whitening<D>,
-        mut cells: Vec<Cell<D>>,
-        (beyond, masses): (Vec<Vec<[i32; D]>>, Option<&[f64]>),
-    ) -> Self {
-        for (i, (cell, beyond)) in cells.iter_mut().zip(beyond).enumerate() {
-            let Some(particle_mass) = masses.map(|masses| masses[i]) else {
-                cell.go_on(beyond);
-                if !cell.integral().is_finite() {
-                    // Masses so uneven that their fit overflows: the cell holds its own, evenly.
-                    (cell.map.slope, cell.map.bend) = ([0.0; D], [[0.0; D]; D]);
-                    cell.beyond.clear();
-                }
-                cell.mass = cell.integral();
-                continue;
-            };
-            let ratio = cell.integral() / particle_mass;
-            if (1.0 / MOST_MASS_RATIO..=MOST_MASS_RATIO).contains(&ratio) {
-                cell.go_on(beyond);
-                // As much beyond as within, or no number: the fit is level rather than falling.
-                let with_beyond = cell.integral();
-                if with_beyond.is_nan() || with_beyond > 2.0 * ratio * particle_mass {
-                    cell.beyond.clear();
-                }
-            } else {
-                cell.hold_own_mass(particle_mass, ratio);
+        let mut evaluation = Evaluation::new(solver.n_particles());
+        evaluation.prepare(discretisation, state, state.stage())?;
+        let cloud = evaluation.cloud;
+        let view = cloud.view(discretisation, state, state.time);
+        let maps = discretisation.estimator.local_maps(&view).ok_or(Error::NoFlowMap)?;
+        let beyond = beyond_the_cloud(&discretisation.lattice.places);
+        let cell = |((i, map), beyond): ((usize, LocalMap<D>), Vec<[i32; D]>)| {
+            let (centre, weight) = (cloud.positions[i], state.masses[i]);
+            let mut cell = Cell { centre, map, weight, beyond: vec![], mass: 0.0 };
+            cell.go_on(beyond);
+            if !cell.integral().is_finite() {
+                // Masses so uneven that their fit overflows: the cell holds its own, evenly.
+                (cell.map.slope, cell.map.bend) = ([0.0; D], [[0.0; D]; D]);
+                cell.beyond.clear();
             }
             cell.mass = cell.integral();
-        }
-        Self { whitening, cells, mass_outside: solver.mass_outside() }
+            cell
+        };
+        let cells = maps.into_iter().enumerate().zip(beyond).map(cell).collect();
+        Ok(Self { whitening: cloud.whitening, cells, mass_outside: solver.mass_outside() })
     }
 
     /// The integral of the density: 1 but for what the lattice never held and for the error of the fits.
     pub fn total_mass(&self) -> f64 {
         self.cells.iter().map(|cell| cell.mass).sum()
-    }
-
-    /// How many cells hold their particle's own mass because the fit is not trusted there.
-    pub fn n_distrusted(&self) -> usize {
-        self.cells.iter().filter(|cell| !cell.trusted).count()
     }
 
     /// `P(y(x) > T)`. Cells that the limit crosses are subdivided; within a part the demand and the logarithm of the density
@@ -256,7 +198,6 @@ impl<const D: usize> CellIntegral<D> {
             estimate: 0.0,
             beyond_the_cloud: 0.0,
             unresolved: 0.0,
-            distrusted: 0.0,
             outside: self.mass_outside,
         }
     }

@@ -7,7 +7,7 @@
 //! |---|---|---|---|
 //! | [`Simulation::exceedance_indicator`] | a staircase in `T`: up to one layer of particles, 0.07 in log10 at spacing 0.3 sigma | ends with the last particle | Canor & Denoël 2013, eq 25 |
 //! | [`Simulation::exceedance_log_interpolated`] | smooth in `T`, else as the indicator | ends with the last particle | this project |
-//! | [`CellIntegral::exceedance`] | that of the local fits; exact for a Gaussian | goes on beyond the last particle by the fit | this project |
+//! | [`CellIntegral::exceedance`] | that of the flow map; exact for a Gaussian | goes on beyond the last particle by the fit | this project |
 //!
 //! The density at any point: [`DensityField`].
 //!
@@ -29,7 +29,6 @@ mod cell_integral;
 mod density_field;
 mod exchange;
 mod first_passage;
-mod local_fits;
 mod moments;
 mod probability;
 mod survival;

@@ -41,7 +41,7 @@ use crate::solver::Solver;
 /// A general limit state `g(x) > 0` is the demand `g` with the threshold 0.
 ///
 /// ```
-/// # use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
+/// # use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 /// # use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation};
 /// # use sde_integrators::GaussianMixture;
 /// use fpk_sph::observables::FirstPassage;

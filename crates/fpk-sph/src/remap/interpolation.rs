@@ -7,7 +7,7 @@ use smoothing_kernels::{Kernel, Lucy};
 use super::policy::BEYOND_THE_CLOUD;
 use crate::error::Error;
 use crate::lattice::{ParticleLattice, index_of_place};
-use crate::score::{LeastSquares, Monomials, Points, lattice_jacobian, solve};
+use crate::score::{LeastSquares, Monomials, lattice_jacobian, solve};
 
 /// The departure of the log density from that of the cloud's Gaussian, `log psi + |y|^2 / 2`, at any place in whitened
 /// coordinates.
@@ -200,10 +200,7 @@ impl<'a, const D: usize> Departure<'a, D> {
             }
         }
         let tables = Monomials::carried_by::<D>(members.len(), degree, PLACES_PER_UNKNOWN)?;
-        let mut equations = LeastSquares::new(tables);
-        equations.sum_in_all(&Points::of(&points));
-        equations.factorise();
-        let weights = equations.weights(&points, 1 + D);
+        let weights = LeastSquares::new(tables, &points).0.weights(&points, 1 + D);
         let (mut y, mut edges) = ([0.0; D], [[0.0; D]; D]);
         for (p, &j) in members.iter().enumerate() {
             let of_member = &self.y[j];

@@ -149,7 +149,7 @@ impl<const D: usize> Solver<D> {
         let lattice_before = self.discretisation.lay(lattice)?;
         let state_before = std::mem::replace(&mut self.state, state);
         self.resize_buffers();
-        if let Err(error) = self.start_smoothing_lengths(h, spacing) {
+        if let Err(error) = self.start_smoothing_lengths(h) {
             self.state = state_before;
             self.discretisation.lay(lattice_before)?;
             self.resize_buffers();

@@ -9,7 +9,6 @@ use super::flow_map_passes::{
     Deform, Deformed, Differentiate, Lattice, Pass, SMALLEST_CELL, Settle,
 };
 use super::lattice_sums::{LatticeSums, PART};
-use super::log_density_fit::lattice_distances;
 use super::monomials::{Monomials, unknowns};
 use super::stencils::Stencils;
 use super::{Carried, Degree, Estimates, LatticePlaces, LocalMap, ScoreEstimator};
@@ -232,6 +231,24 @@ impl<const D: usize> FlowMapFit<D> {
 #[inline(always)]
 fn is_turned(volume: f64) -> bool {
     volume.is_nan() || volume <= 0.0
+}
+
+/// Lengths of the points of the unit lattice up to `reach`, the origin excluded.
+fn lattice_distances<const D: usize>(reach: f64) -> impl Iterator<Item = f64> {
+    // More than 64 spacings make no difference to a count against tens.
+    let half = (1..=64).take_while(|&k| f64::from(k) <= reach).last().unwrap_or(0);
+    let edge = 2 * half + 1;
+    let total = (0..D).fold(1_i32, |product, _| product.saturating_mul(edge));
+    (0..total).filter_map(move |index| {
+        let (mut rest, mut square) = (index, 0);
+        for _ in 0..D {
+            let coordinate = rest % edge - half;
+            square += coordinate * coordinate;
+            rest /= edge;
+        }
+        let distance = f64::from(square).sqrt();
+        (square > 0 && distance <= reach).then_some(distance)
+    })
 }
 
 impl<const D: usize> ScoreEstimator<D> for FlowMapFit<D> {

@@ -3,22 +3,16 @@
 //! | estimator | density | gradient | exact for | source |
 //! |---|---|---|---|---|
 //! | [`SummationDensity`] | `sum mu_j W_ij` | `sum mu_j grad W_ij` | nothing: kernel variance remains | Canor & Denoël 2013, eq 15, 19, 23 |
-//! | [`LogDensityFit`] | `mu_i / V_i` | weighted least squares of `log psi` over those near, degree 2 to 4 | a Gaussian, where the volumes are right | this project |
-//! | [`FlowMapFit`] | `mu_i / det F_i` | the same over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
+//! | [`FlowMapFit`] | `mu_i / det F_i` | weighted least squares of `log psi` over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
 
-mod aligned;
 mod arrangement;
 mod cell_geometry;
 mod cells;
-mod fit_points;
 mod flow_map_fit;
 mod flow_map_passes;
 mod folded;
 mod lattice_sums;
-mod log_density_fit;
-mod moment_sums;
 mod monomials;
-mod normal_equations;
 mod pattern;
 mod polynomial_fit;
 mod runs;
@@ -29,16 +23,13 @@ mod summation_density;
 pub use flow_map_fit::FlowMapFit;
 pub(crate) use flow_map_fit::WAVE_DAMPING;
 pub use flow_map_passes::SMALLEST_CELL;
-pub use log_density_fit::{LocalFit, LogDensityFit, VolumeEstimate};
 use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
 pub(crate) use cell_geometry::{determinant, lattice_jacobian};
-pub(crate) use fit_points::Points;
 pub(crate) use monomials::Monomials;
-use normal_equations::Determined;
+use polynomial_fit::Determined;
 pub(crate) use polynomial_fit::LeastSquares;
-use polynomial_fit::Scratch;
 pub(crate) use small_matrices::{inverse, solve, solve_transposed};
 pub(crate) use stencils::RIM;
 
@@ -67,8 +58,7 @@ pub struct Estimates<const D: usize> {
     pub(crate) carried: Carried,
 }
 
-/// Numbers of each particle that the flow-map fit differentiates or averages over the lattice, and buffers of the
-/// log-density fit. Empty with other estimators.
+/// Numbers of each particle that the flow-map fit differentiates or averages over the lattice. Empty with other estimators.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Carried {
     /// `y` in blocks of four components.
@@ -81,8 +71,6 @@ pub(crate) struct Carried {
     pub(crate) fours: Vec<[f64; 4]>,
     /// Whether a member's cell is turned over.
     pub(crate) near_turned: Vec<bool>,
-    /// Of each part of the particles.
-    pub(crate) scratch: Vec<Scratch>,
 }
 
 impl Carried {
@@ -116,8 +104,7 @@ impl<const D: usize> Estimates<D> {
     }
 }
 
-/// Particles that an estimator could not resolve: cells that took density and score from others, or particles with too few
-/// neighbours for a fit, which kept the score of the whitened Gaussian.
+/// Particles that an estimator could not resolve: cells that took density and score from others.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Unresolved {
     /// How many.
@@ -258,12 +245,6 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
         Ok(())
     }
 
-    /// The mean number of neighbours, the particle itself included, below which a run has left its stable range.
-    /// Provided: none.
-    fn fewest_mean_neighbours(&self) -> f64 {
-        0.0
-    }
-
     /// How fast a diffusion matrix (in the metric) spreads a particle against what the estimator resolves (per unit of
     /// time): what the diffusion limit holds against the step. Provided: `D_y / R^2` with the trace `D_y` and the support
     /// radius `R`.
@@ -327,15 +308,6 @@ pub trait ScoreEstimator<const D: usize>: std::fmt::Debug + Send {
             #[inline(always)]
             |first, spreads| self.spreads(first, diffusion, radii, deformation, spreads),
         )
-    }
-
-    /// The rates at which smoothing lengths change within a step, `d log h_i / dt`, for particles that move at the given
-    /// velocities, `n` vectors in the coordinates of the metric; one rate per particle. Provided: none, and smoothing
-    /// lengths are frozen over a step, which is an error of the first order in it where the estimate depends on them. Not
-    /// called where [`criterion`](Self::criterion) is none: there is no search for the lengths to limit.
-    fn smoothing_rates(&self, cloud: &Cloud<'_, D>, velocities: &[[f64; D]], rates: &mut Vec<f64>) {
-        let _ = (cloud, velocities);
-        rates.clear();
     }
 
     /// Takes out of the positions what the estimator does not see, by the given part in `[0, 1]`: that of a step with the

@@ -26,8 +26,6 @@ const fn choose(n: usize, k: usize) -> usize {
 pub(crate) struct Monomials {
     /// Monomials of degree at most `degree`: the unknowns.
     pub(crate) n_unknowns: usize,
-    /// Monomials of degree below `2 degree`: all that are the parent of another.
-    pub(crate) n_parents: usize,
     /// Monomials of degree at most `2 degree`: the entries of the normal matrix.
     pub(crate) n_moments: usize,
     /// Monomial `m > 0` is monomial `parent[m]` times component `axis[m]`.
@@ -39,11 +37,10 @@ pub(crate) struct Monomials {
 }
 
 impl Monomials {
-    /// The tables of a polynomial of degree 0 to 4 in `D` variables; none where it has more unknowns than there is room for.
+    /// The tables of a polynomial of degree 1 to 4 in `D` variables; none where it has more unknowns than there is room for.
     pub(crate) const fn of_degree<const D: usize>(degree: usize) -> Option<&'static Self> {
         let fits = unknowns(D, degree) <= MOST_UNKNOWNS && unknowns(D, 2 * degree) <= MOST_MOMENTS;
         match degree {
-            0 if fits => Some(Tables::<D>::CONSTANT),
             1 if fits => Some(Tables::<D>::LINEAR),
             2 if fits => Some(Tables::<D>::QUADRATIC),
             3 if fits => Some(Tables::<D>::CUBIC),
@@ -70,7 +67,6 @@ impl Monomials {
 struct Tables<const D: usize>;
 
 impl<const D: usize> Tables<D> {
-    const CONSTANT: &'static Monomials = &Self::of_degree(0);
     const LINEAR: &'static Monomials = &Self::of_degree(1);
     const QUADRATIC: &'static Monomials = &Self::of_degree(2);
     const CUBIC: &'static Monomials = &Self::of_degree(3);
@@ -83,7 +79,6 @@ impl<const D: usize> Tables<D> {
     const fn of_degree(degree: usize) -> Monomials {
         let mut tables = Monomials {
             n_unknowns: unknowns(D, degree),
-            n_parents: if degree == 0 { 0 } else { unknowns(D, 2 * degree - 1) },
             n_moments: unknowns(D, 2 * degree),
             parent: [0; MOST_MOMENTS],
             axis: [0; MOST_MOMENTS],

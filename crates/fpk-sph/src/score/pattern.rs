@@ -4,7 +4,6 @@ use smoothing_kernels::{Kernel, Lucy, power};
 
 use super::Fits;
 use super::arrangement::place_of;
-use super::fit_points::Points;
 use super::monomials::{Monomials, unknowns};
 use super::polynomial_fit::LeastSquares;
 use crate::error::Error;
@@ -47,11 +46,9 @@ impl<const D: usize> Pattern<D> {
         let tables = Monomials::carried_by::<D>(count, degree, POINTS_PER_UNKNOWN)
             .ok_or(Error::TooFewNeighbours { step: 0, time: 0.0, particle, count, limit: D + 2 })?;
         let n = tables.n_unknowns;
-        let mut fit = LeastSquares::new(tables);
         let points: Vec<_> = offsets.iter().map(|offset| weighted(offset, reach)).collect();
-        fit.sum_in_all(&Points::of(&points));
-        let asked = unknowns(D, degree);
-        let fits = Fits::of(n, asked, fit.factorise()[0]);
+        let (fit, determined) = LeastSquares::new(tables, &points);
+        let fits = Fits::of(n, unknowns(D, degree), determined);
         // Value, gradient, second derivatives.
         let mut weights = fit.weights(&points, 1 + D + D * (D + 1) / 2).into_iter();
         let mut next = || weights.next().unwrap_or_default();

@@ -1,100 +1,108 @@
-//! Weighted least squares of a polynomial around a point, in any dimension, several fits side by side.
+//! Weighted least squares of a polynomial around a point, in any dimension: weights that turn values into coefficients.
 
-use super::aligned::Aligned;
-use super::fit_points::Points;
-use super::moment_sums::Sums;
-use super::monomials::{MOST_UNKNOWNS, Monomials};
-use super::normal_equations::{Determined, LANES, NormalEquations, OfUnknowns};
+use super::monomials::{MOST_MOMENTS, MOST_UNKNOWNS, Monomials};
 
 /// The normal equations of
 ///
 /// $$ \min_c \sum_j w_j \Big( \sum_a c_a u_j^a - f_j \Big)^2 $$
 ///
-/// over the monomials `u^a` of degree at most `p`, for a fit in each lane. The matrix holds the moments
+/// over the monomials `u^a` of degree at most `p`, as their equilibrated Cholesky factor. The matrix holds the moments
 /// `sum_j w_j u_j^(a+b)`, of which there are far fewer than entries: 84 for 210 with a cubic in three variables. Only the
 /// moments are summed.
 #[derive(Debug, Clone)]
 pub(crate) struct LeastSquares {
     tables: &'static Monomials,
-    /// Moments of each fit, by lane.
-    moments: Aligned,
-    right_sides: OfUnknowns,
-    coefficients: OfUnknowns,
-    equations: NormalEquations,
-    sums: Sums,
+    /// Lower triangle of the factor by rows. Its diagonal holds the reciprocal of the pivot's root, or zero where the monomial
+    /// is left out.
+    factor: Vec<f64>,
+    /// By which each unknown is equilibrated.
+    scale: [f64; MOST_UNKNOWNS],
 }
 
-/// What fits need besides the cloud, reused from one to the next.
-#[derive(Debug, Clone)]
-pub(crate) struct Scratch {
-    pub(crate) points: Points,
-    pub(crate) equations: LeastSquares,
+/// How well the points determined the polynomial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Determined {
+    /// Smallest pivot that was kept, in `(0, 1]`: the square of the sine of the angle between a monomial and those before
+    /// it.
+    pub(crate) smallest_pivot: f64,
+    /// Omitted monomials: the points do not distinguish them from those of lower degree.
+    pub(crate) n_left_out: usize,
 }
 
-impl Scratch {
-    pub(crate) fn new<const D: usize>(tables: &'static Monomials) -> Self {
-        Self { points: Points::new(D), equations: LeastSquares::new(tables) }
-    }
+/// A pivot of the equilibrated normal matrix below which its monomial counts as a combination of those before it: the
+/// relative error of what is solved is about `f64::EPSILON / 1e-11`, 2e-5 of the largest term.
+const SMALLEST_PIVOT: f64 = 1e-11;
+
+/// Partial sums of a moment, each over every eighth point.
+const LANES: usize = 8;
+
+/// Where row `i` of a lower triangle starts.
+const fn row(i: usize) -> usize {
+    i * (i + 1) / 2
 }
 
 impl LeastSquares {
-    pub(crate) fn new(tables: &'static Monomials) -> Self {
-        let mut fits = Self {
-            tables,
-            moments: Aligned::default(),
-            right_sides: OfUnknowns::ZERO,
-            coefficients: OfUnknowns::ZERO,
-            equations: NormalEquations::new(),
-            sums: Sums::default(),
-        };
-        fits.clear(tables);
-        fits
-    }
-
-    /// Forgets all points and fits the monomials of the given tables from now on.
-    pub(crate) fn clear(&mut self, tables: &'static Monomials) {
-        self.tables = tables;
-        self.moments.resize(LANES * tables.n_moments);
-        self.moments.fill(0.0);
-        self.right_sides.0[..tables.n_unknowns].fill([0.0; LANES]);
-    }
-
-    /// Sums the points of the fit in a lane, which must have none yet.
-    pub(crate) fn sum(&mut self, lane: usize, points: &Points) {
-        let Self { tables, sums, moments, right_sides, .. } = self;
-        sums.compute(tables, points);
-        for (moments, sum) in moments.chunks_exact_mut(LANES).zip(&*sums.moments) {
-            moments[lane] = *sum;
+    /// Factorises the equilibrated normal matrix of points `u_p` with their weights `w_p`. A monomial that the points do not
+    /// distinguish from those before it is left out: on a surface the fit omits the normal direction and keeps the rest.
+    pub(crate) fn new<const D: usize>(
+        tables: &'static Monomials,
+        points: &[([f64; D], f64)],
+    ) -> (Self, Determined) {
+        let (n, moments) = (tables.n_unknowns, moments(tables, points));
+        let products = tables.product[..row(n)].iter();
+        let mut a: Vec<f64> = products.map(|&m| moments[usize::from(m)]).collect();
+        let mut scale = [0.0; MOST_UNKNOWNS];
+        for i in 0..n {
+            let diagonal = a[row(i) + i];
+            scale[i] = if diagonal > 0.0 { 1.0 / diagonal.sqrt() } else { 0.0 };
         }
-        for (right_side, sum) in right_sides.0.iter_mut().zip(&*sums.right_sides) {
-            right_side[lane] = *sum;
+        let mut determined = Determined { smallest_pivot: 1.0, n_left_out: 0 };
+        for i in 0..n {
+            let mut pivot = if scale[i] > 0.0 { 1.0 } else { 0.0 };
+            for j in 0..i {
+                let mut entry = a[row(i) + j] * scale[i] * scale[j];
+                for k in 0..j {
+                    entry -= a[row(i) + k] * a[row(j) + k];
+                }
+                entry *= a[row(j) + j];
+                pivot -= entry * entry;
+                a[row(i) + j] = entry;
+            }
+            if pivot > SMALLEST_PIVOT {
+                a[row(i) + i] = 1.0 / pivot.sqrt();
+                determined.smallest_pivot = determined.smallest_pivot.min(pivot);
+            } else {
+                a[row(i) + i] = 0.0;
+                determined.n_left_out += 1;
+            }
+        }
+        (Self { tables, factor: a, scale }, determined)
+    }
+
+    /// Solves for a right side; a monomial that is left out gets zero.
+    fn substitute(&self, b: &mut [f64; MOST_UNKNOWNS]) {
+        let (n, a, scale) = (self.tables.n_unknowns, &self.factor, &self.scale);
+        for i in 0..n {
+            let mut value = b[i] * scale[i];
+            for j in 0..i {
+                value -= a[row(i) + j] * b[j];
+            }
+            b[i] = value * a[row(i) + i];
+        }
+        for i in (0..n).rev() {
+            let mut value = b[i];
+            for k in i + 1..n {
+                value -= a[row(k) + i] * b[k];
+            }
+            b[i] = value * a[row(i) + i];
+        }
+        for i in 0..n {
+            b[i] *= scale[i];
         }
     }
 
-    /// Sums the points of one fit, which all lanes have then: for several right sides.
-    pub(crate) fn sum_in_all(&mut self, points: &Points) {
-        self.sum(0, points);
-        for moments in self.moments.chunks_exact_mut(LANES) {
-            moments.fill(moments[0]);
-        }
-    }
-
-    /// The factor of every fit.
-    pub(crate) fn factorise(&mut self) -> [Determined; LANES] {
-        self.equations.factorise(self.tables, &self.moments)
-    }
-
-    /// Solves every fit. A monomial that the points do not distinguish from those before it gets the coefficient zero.
-    pub(crate) fn solve(&mut self) -> [Determined; LANES] {
-        let determined = self.factorise();
-        let n = self.tables.n_unknowns;
-        self.coefficients.0[..n].copy_from_slice(&self.right_sides.0[..n]);
-        self.equations.substitute(&mut self.coefficients);
-        determined
-    }
-
-    /// `weights[m][p] = w_p (N^-1 e_m . b(u_p))` for offsets `u_p` with weights `w_p`, the normal matrix `N` that all lanes
-    /// have, and the monomials `b`: what a value at `u_p` adds to coefficient `m`, for the first `count` coefficients.
+    /// `weights[m][p] = w_p (N^-1 e_m . b(u_p))` for the points of the fit, with the normal matrix `N` and the monomials `b`:
+    /// what a value at `u_p` adds to coefficient `m`, for the first `count` coefficients.
     pub(crate) fn weights<const D: usize>(
         &self,
         points: &[([f64; D], f64)],
@@ -103,16 +111,12 @@ impl LeastSquares {
         let &Monomials { n_unknowns, ref parent, ref axis, .. } = self.tables;
         // Column `a` of the inverse's first rows.
         let mut columns = vec![vec![0.0; count]; n_unknowns];
-        let n_rows = count.min(n_unknowns);
-        for first in (0..n_rows).step_by(LANES) {
-            let mut b = OfUnknowns::ZERO;
-            let width = LANES.min(n_rows - first);
-            for lane in 0..width {
-                b.0[first + lane][lane] = 1.0;
-            }
-            self.equations.substitute(&mut b);
-            for (column, solved) in columns.iter_mut().zip(&b.0) {
-                column[first..first + width].copy_from_slice(&solved[..width]);
+        for first in 0..count.min(n_unknowns) {
+            let mut b = [0.0; MOST_UNKNOWNS];
+            b[first] = 1.0;
+            self.substitute(&mut b);
+            for (column, solved) in columns.iter_mut().zip(&b) {
+                column[first] = *solved;
             }
         }
         let mut weights = vec![vec![0.0; points.len()]; count];
@@ -132,50 +136,59 @@ impl LeastSquares {
         }
         weights
     }
+}
 
-    /// The sum of the weights of a fit.
-    pub(crate) fn weight(&self, lane: usize) -> f64 {
-        self.moments[lane]
-    }
-
-    /// The gradient of a fit at the origin.
-    pub(crate) fn gradient<const D: usize>(&self, lane: usize) -> [f64; D] {
-        std::array::from_fn(|k| self.coefficient(1 + k, lane))
-    }
-
-    /// The second derivatives of a fit at the origin; zero where it has none.
-    pub(crate) fn hessian<const D: usize>(&self, lane: usize) -> [[f64; D]; D] {
-        let mut hessian = [[0.0; D]; D];
-        let mut next = 1 + D;
-        for i in 0..D {
-            for j in i..D {
-                let coefficient = self.coefficient(next, lane);
-                hessian[i][j] = if i == j { 2.0 * coefficient } else { coefficient };
-                hessian[j][i] = hessian[i][j];
-                next += 1;
+/// `sum_j w_j u_j^a` for all monomials of twice the degree, in [`LANES`] partial sums, which are added last.
+fn moments<const D: usize>(tables: &Monomials, points: &[([f64; D], f64)]) -> Vec<f64> {
+    let n = tables.n_moments;
+    let mut sums = vec![[0.0; LANES]; n];
+    simd_lanes::dispatch(
+        #[inline(always)]
+        || {
+            let mut monomials = [[0.0; LANES]; MOST_MOMENTS];
+            for points in points.chunks(LANES) {
+                // Beyond the last point all weights are zero.
+                let (mut offsets, mut weights) = ([[0.0; LANES]; D], [0.0; LANES]);
+                for (s, (u, w)) in points.iter().enumerate() {
+                    weights[s] = *w;
+                    for k in 0..D {
+                        offsets[k][s] = u[k];
+                    }
+                }
+                monomials[0] = weights;
+                for m in 1..n {
+                    let along = &offsets[usize::from(tables.axis[m])];
+                    let parent = monomials[usize::from(tables.parent[m])];
+                    for s in 0..LANES {
+                        monomials[m][s] = along[s] * parent[s];
+                    }
+                }
+                for m in 0..n {
+                    for s in 0..LANES {
+                        sums[m][s] += monomials[m][s];
+                    }
+                }
             }
-        }
-        hessian
-    }
-
-    /// Zero beyond the degree of the fit.
-    fn coefficient(&self, m: usize, lane: usize) -> f64 {
-        if m < self.tables.n_unknowns { self.coefficients.0[m][lane] } else { 0.0 }
-    }
+        },
+    );
+    sums.iter().map(|&[a, b, c, d, e, f, g, h]| ((a + b) + (c + d)) + ((e + f) + (g + h))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Points with their values.
-    fn with_values<const D: usize>(points: &[([f64; D], f64, f64)]) -> Points {
-        let places: Vec<_> = points.iter().map(|&(u, w, _)| (u, w)).collect();
-        let mut columns = Points::of(&places);
-        for (value, point) in columns.values.iter_mut().zip(points) {
-            *value = point.2;
-        }
-        columns
+    /// Coefficients of the fit to values at points.
+    fn fitted<const D: usize>(
+        degree: usize,
+        points: &[([f64; D], f64)],
+        value: impl Fn(&[f64; D]) -> f64,
+    ) -> (Vec<f64>, Determined) {
+        let tables = Monomials::of_degree::<D>(degree).unwrap();
+        let (fit, determined) = LeastSquares::new(tables, points);
+        let sum =
+            |weights: Vec<f64>| weights.iter().zip(points).map(|(w, (u, _))| w * value(u)).sum();
+        (fit.weights(points, tables.n_unknowns).into_iter().map(sum).collect(), determined)
     }
 
     #[test]
@@ -188,88 +201,38 @@ mod tests {
                 - 0.6 * y * z * z
                 + 0.3 * x * y * z
         };
-        let mut fit = LeastSquares::new(Monomials::of_degree::<3>(3).unwrap());
-        let points: Vec<_> = (0..125)
-            .map(|k| {
-                let u = [k % 5, k / 5 % 5, k / 25].map(|i| 0.5 * f64::from(i) - 0.9);
-                (u, 1.0 / (1.0 + f64::from(k)), f(&u))
-            })
-            .collect();
-        // Beside another fit and in another lane than the first.
-        fit.sum(0, &with_values(&points[..40]));
-        fit.sum(5, &with_values(&points));
-        let determined = fit.solve()[5];
+        let place = |k: i32| {
+            let u = [k % 5, k / 5 % 5, k / 25].map(|i| 0.5 * f64::from(i) - 0.9);
+            (u, 1.0 / (1.0 + f64::from(k)))
+        };
+        let points: Vec<_> = (0..125).map(place).collect();
+        let (found, determined) = fitted(3, &points, f);
         assert!(determined.n_left_out == 0 && determined.smallest_pivot > 1e-4, "{determined:?}");
-        // Roundoff times the condition of the normal matrix, below 1e4.
-        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-11, "{a} against {b}");
-        for (found, expected) in fit.gradient::<3>(5).into_iter().zip([0.3, -1.0, 0.7]) {
-            near(found, expected);
+        // 1; x, y, z; x^2, xy, xz, y^2, yz, z^2.
+        let expected = [0.9, 0.3, -1.0, 0.7, -0.5, 0.2, 0.5, -1.0, 0.1, 0.2];
+        for (found, expected) in found.into_iter().zip(expected) {
+            // Roundoff times the condition of the normal matrix, below 1e4.
+            assert!((found - expected).abs() < 1e-11, "{found} against {expected}");
         }
-        let hessian = [[-1.0, 0.2, 0.5], [0.2, -2.0, 0.1], [0.5, 0.1, 0.4]];
-        for (found, expected) in
-            fit.hessian::<3>(5).as_flattened().iter().zip(hessian.as_flattened())
-        {
-            near(*found, *expected);
-        }
-    }
-
-    #[test]
-    fn the_weights_of_offsets_give_the_coefficients_of_their_values() {
-        let tables = Monomials::of_degree::<2>(2).unwrap();
-        let (mut fit, mut by_weights) = (LeastSquares::new(tables), LeastSquares::new(tables));
-        let points: Vec<_> = (0..16)
-            .map(|k| ([f64::from(k % 4) - 1.3, f64::from(k / 4) - 1.6], 1.0 + 0.1 * f64::from(k)))
-            .collect();
-        let value = |[x, y]: [f64; 2]| (0.3 * x).exp() + (0.7 * x - y).sin();
-        let valued: Vec<_> = points.iter().map(|&(u, w)| (u, w, value(u))).collect();
-        fit.sum(3, &with_values(&valued));
-        by_weights.sum_in_all(&Points::of(&points));
-        assert_eq!(by_weights.factorise()[7], fit.solve()[3]);
-        for (m, weights) in by_weights.weights(&points, 6).iter().enumerate() {
-            let found: f64 = weights.iter().zip(&points).map(|(w, (u, _))| w * value(*u)).sum();
-            assert!((found - fit.coefficients.0[m][3]).abs() < 1e-13, "{m}: {found}");
-        }
-        assert_eq!(by_weights.weights(&points, 8)[7], vec![0.0; 16]);
     }
 
     #[test]
     fn on_a_line_only_what_leads_off_it_is_left_out() {
-        let mut fit = LeastSquares::new(Monomials::of_degree::<2>(2).unwrap());
-        let points: Vec<_> = (0..9)
-            .map(|k| {
-                let s = f64::from(k) - 4.0;
-                ([s, 2.0 * s], 1.0, 3.0 + 0.5 * s - 0.25 * s * s)
-            })
-            .collect();
-        fit.sum(0, &with_values(&points));
-        let determined = fit.solve()[0];
+        let along = |k: i32| f64::from(k) - 4.0;
+        let points: Vec<_> = (0..9).map(|k| ([along(k), 2.0 * along(k)], 1.0)).collect();
+        let (found, determined) = fitted(2, &points, |[s, _]| 3.0 + 0.5 * s - 0.25 * s * s);
         assert_eq!(
             determined.n_left_out, 3,
             "of 1, x, y, x^2, xy, y^2 a line carries 1, x and x^2"
         );
-        let [g_x, g_y] = fit.gradient(0);
+        let [g_x, g_y] = [found[1], found[2]];
         assert!((g_x + 2.0 * g_y - 0.5).abs() < 1e-12, "the slope along the line: {g_x} {g_y}");
     }
 
     #[test]
-    fn a_fit_has_the_same_bits_in_every_lane_and_beside_any_other() {
-        let point = |k: u32| {
-            let [x, y] = [f64::from(k % 7) / 3.0 - 1.0, f64::from(k / 7) / 2.0 - 1.0];
-            ([x, y + 0.1 * x], 1.0 / (1.0 + f64::from(k)), (x - 0.3 * y).sin())
-        };
-        let points: Vec<_> = (0..35).map(point).collect();
-        let tables = Monomials::of_degree::<2>(2).unwrap();
-        let fit_in = |lane: usize, others: usize| {
-            let mut fit = LeastSquares::new(tables);
-            for other in (0..LANES).filter(|other| *other != lane) {
-                fit.sum(other, &with_values(&points[..others]));
-            }
-            fit.sum(lane, &with_values(&points));
-            (fit.solve()[lane], fit.gradient::<2>(lane), fit.hessian::<2>(lane))
-        };
-        let alone = fit_in(0, 0);
-        for lane in 0..LANES {
-            assert_eq!(fit_in(lane, 9 + lane), alone, "lane {lane}");
-        }
+    fn coefficients_beyond_the_degree_have_no_weights() {
+        let points: Vec<_> = (0..16).map(|k| ([f64::from(k % 4), f64::from(k / 4)], 1.0)).collect();
+        let (fit, _) = LeastSquares::new(Monomials::of_degree::<2>(2).unwrap(), &points);
+        assert_eq!(fit.weights(&points, 8)[7], vec![0.0; 16]);
     }
 }

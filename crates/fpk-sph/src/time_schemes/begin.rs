@@ -1,7 +1,7 @@
 //! Begin of a step.
 
-use crate::matrix::Matrix;
 use crate::state::Previous;
+use vibrating_systems::matrix::Matrix;
 
 /// Begin of a step, and its length.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +13,4 @@ pub(crate) struct Begin<'a, const D: usize> {
     /// `A`, the linear part of the drift; zero where the system declares none.
     pub(crate) linear: Matrix<D>,
     pub(crate) dt: f64,
-    /// `dt` over the largest step that the scheme allows, from 0 to 1.
-    pub(crate) share_of_limit: f64,
 }

@@ -13,38 +13,6 @@ pub(super) fn forward_euler<const D: usize>(
     combine(x, begin.x, &[(begin.dt, &k[0])]);
 }
 
-/// Two-step midpoint rule over `previous`, the positions one step ago; Heun's method where there are none.
-pub(super) fn leap_frog<const D: usize>(
-    x: &mut [[f64; D]],
-    k: &mut [Vec<[f64; D]>; 4],
-    begin: &Begin<'_, D>,
-    velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let Some(previous) = begin.previous else { return heun(x, k, begin, velocity) };
-    let ratio = begin.dt / previous.dt;
-    combine(x, begin.x, &[((1.0 + ratio) * begin.dt, &k[0])]);
-    for ((x, x_0), before) in x.iter_mut().zip(begin.x).zip(&previous.values) {
-        for k in 0..D {
-            x[k] += ratio * ratio * (before[k] - x_0[k]);
-        }
-    }
-    Ok(())
-}
-
-/// Heun's method of order 2.
-pub(super) fn heun<const D: usize>(
-    x: &mut [[f64; D]],
-    [k_1, k_2, ..]: &mut [Vec<[f64; D]>; 4],
-    begin: &Begin<'_, D>,
-    mut velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let &Begin { t, x: x_0, dt, .. } = begin;
-    combine(x, x_0, &[(dt, k_1)]);
-    velocity(t + dt, x, k_2)?;
-    combine(x, x_0, &[(dt / 2.0, k_1), (dt / 2.0, k_2)]);
-    Ok(())
-}
-
 /// The classical method of order 4.
 pub(super) fn runge_kutta_4<const D: usize>(
     x: &mut [[f64; D]],

@@ -7,51 +7,12 @@
 use super::begin::Begin;
 use super::sums::{subtract, transform};
 use crate::error::Error;
-use crate::matrix::{exponential, identity, scaled};
+use vibrating_systems::matrix::{exponential, identity, scaled};
 
 /// A step may be so much longer than the one before it and still extrapolate from its rates.
 ///
 /// The extrapolation amplifies differences between both rates by half the ratio.
 const MOST_GROWTH: f64 = 2.0;
-
-/// The classical method of order 4 in Lawson's form, with `E = exp(A dt)` and `H = exp(A dt/2)`:
-///
-/// $$ x_1 = E x_0 + \frac{\Delta t}{6} (E r_1 + 2 H r_2 + 2 H r_3 + r_4) . $$
-///
-/// `k_1` holds `v(t, x_0)`.
-pub(super) fn runge_kutta_4<const D: usize>(
-    x: &mut [[f64; D]],
-    [r_1, r_2, r_3, r_4]: &mut [Vec<[f64; D]>; 4],
-    begin: &Begin<'_, D>,
-    mut velocity: impl FnMut(f64, &[[f64; D]], &mut [[f64; D]]) -> Result<(), Error>,
-) -> Result<(), Error> {
-    let &Begin { t, x: x_0, dt, linear: a, .. } = begin;
-    let mut rest = |t: f64, x: &[[f64; D]], r: &mut [[f64; D]]| -> Result<(), Error> {
-        velocity(t, x, r)?;
-        subtract(r, &a, x);
-        Ok(())
-    };
-    let (one, half, whole) = (identity(), exponential(&a, 0.5 * dt), exponential(&a, dt));
-    subtract(r_1, &a, x_0);
-    transform(x, &[(half, x_0), (scaled(&half, 0.5 * dt), r_1)]);
-    rest(t + 0.5 * dt, x, r_2)?;
-    transform(x, &[(half, x_0), (scaled(&one, 0.5 * dt), r_2)]);
-    rest(t + 0.5 * dt, x, r_3)?;
-    transform(x, &[(whole, x_0), (scaled(&half, dt), r_3)]);
-    rest(t + dt, x, r_4)?;
-    let (sixth, third) = (dt / 6.0, dt / 3.0);
-    transform(
-        x,
-        &[
-            (whole, x_0),
-            (scaled(&whole, sixth), r_1),
-            (scaled(&half, third), r_2),
-            (scaled(&half, third), r_3),
-            (scaled(&one, sixth), r_4),
-        ],
-    );
-    Ok(())
-}
 
 /// The method of Adams and Bashforth of order 2 in Lawson's form, with the ratio `w` of this step to the last one:
 ///

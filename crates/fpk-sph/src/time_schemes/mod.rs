@@ -3,7 +3,6 @@
 mod begin;
 mod classical;
 mod lawson;
-mod stabilised;
 mod sums;
 
 pub(crate) use begin::Begin;
@@ -47,12 +46,8 @@ impl<const D: usize> Stages<D> {
                 classical::forward_euler(x, k, begin);
                 Ok(())
             }
-            Scheme::LeapFrog => classical::leap_frog(x, k, begin, velocity),
-            Scheme::Heun => classical::heun(x, k, begin, velocity),
             Scheme::RungeKutta4 => classical::runge_kutta_4(x, k, begin, velocity),
-            Scheme::LawsonRungeKutta4 => lawson::runge_kutta_4(x, k, begin, velocity),
             Scheme::LawsonAdamsBashforth2 => lawson::adams_bashforth_2(x, k, begin, velocity),
-            Scheme::RungeKuttaChebyshev => stabilised::runge_kutta_chebyshev(x, k, begin, velocity),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Sums of vectors of all particles, with numbers or matrices as factors.
 
-use crate::matrix::Matrix;
+use vibrating_systems::matrix::Matrix;
 
 /// `x = x_0 + sum_s c_s k_s`.
 pub(super) fn combine<const D: usize, const S: usize>(

@@ -1,12 +1,12 @@
 //! A score estimator as a user would write it: the score of the Gaussian with the cloud's own moments.
 
 use fpk_sph::score::Estimates;
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{
     Cloud, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, ScoreEstimator, Simulation,
 };
 use neighbour_search::Criterion;
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 /// In whitened coordinates the Gaussian closure is `grad log psi = -y`.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ fn statistical_linearisation_as_an_estimator_is_exact_for_the_linear_oscillator(
     };
     let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.3]).unwrap();
     let config = Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice: InitialLattice::box_of(15),
         reference_period: std::f64::consts::TAU,
         most_steps: DEFAULT_MOST_STEPS,

@@ -31,7 +31,7 @@ fn a_users_system_runs_in_the_density_solver_and_in_monte_carlo_alike() {
     let pendulum = Pendulum { friction: 0.5, wind: 0.3 };
     let law = GaussianMixture::independent([0.3, 0.0], [0.1, 0.1]).unwrap();
     let config = Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice: InitialLattice::box_of(31),
         reference_period: std::f64::consts::TAU,
         most_steps: DEFAULT_MOST_STEPS,

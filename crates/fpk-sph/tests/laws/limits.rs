@@ -1,8 +1,8 @@
 //! Limits in one, two and three dimensions: systems whose moments are known in closed form.
 
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, General, Sde};
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 /// `dX_k = -r_k X_k dt + s dB_k`.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +25,7 @@ impl<const D: usize> Sde<D, D> for OrnsteinUhlenbeck<D> {
 
 fn config<const D: usize>(lattice: InitialLattice<D>) -> Config<D> {
     Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice,
         reference_period: 1.0,
         most_steps: DEFAULT_MOST_STEPS,
@@ -61,7 +61,7 @@ fn an_ornstein_uhlenbeck_process_keeps_its_variances_in_one_two_and_three_dimens
         ornstein_uhlenbeck_error::<2>(InitialLattice::Ball { reach: 6.0, spacing: 0.4 }) < 1e-6
     );
     assert!(
-        ornstein_uhlenbeck_error::<3>(InitialLattice::Ball { reach: 4.3, spacing: 0.5 }) < 1e-6
+        ornstein_uhlenbeck_error::<3>(InitialLattice::Ball { reach: 6.0, spacing: 0.8 }) < 1e-6
     );
 }
 

@@ -13,7 +13,5 @@ mod method;
 mod observables;
 mod reach;
 mod remapping;
-mod shear_building;
-mod smoothing;
 mod time_schemes;
 mod tolerance;

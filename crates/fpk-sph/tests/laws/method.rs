@@ -1,17 +1,16 @@
 //! Laws of the method: exactness, limits, invariance, and what is refused.
 
-use fpk_sph::score::{Degree, Estimates, Fits, LogDensityFit, SummationDensity, VolumeEstimate};
-use fpk_sph::systems::{
-    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
+use fpk_sph::score::{Estimates, Fits, SummationDensity};
 use fpk_sph::{
-    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method,
-    Scheme, ScoreEstimator, Simulation, StepRule,
+    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, ScoreEstimator,
+    Simulation, StepRule,
 };
 use neighbour_search::{BruteForce, NeighbourList, NeighbourSearch, Radii};
-use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
 use smoothing_kernels::{Kernel, Lucy};
+use vibrating_systems::{
+    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+};
 
 const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {
     natural_frequency: std::f64::consts::PI,
@@ -35,134 +34,47 @@ fn config(method: Method, lattice: InitialLattice<2>) -> Config<2> {
 }
 
 fn custom(change: impl Fn(&mut Combination)) -> Method {
-    let mut combination = Method::LogDensityFit.combination();
+    let mut combination = Method::FlowMapFit.combination();
     change(&mut combination);
     Method::Custom(combination)
 }
 
-/// What an estimator makes of points: score, density, volume.
-type Estimated<const D: usize> = (Vec<[f64; D]>, Vec<f64>, Vec<f64>);
-
-fn estimate<const D: usize>(
-    estimator: &dyn ScoreEstimator<D>,
-    positions: &[[f64; D]],
+/// Score, density and volume of points by the paper's estimator.
+fn estimate(
+    positions: &[[f64; 2]],
     masses: &[f64],
     smoothing_lengths: &[f64],
-    lattice: &[[[Option<u32>; 2]; D]],
-) -> Result<Estimated<D>, Error> {
-    let (estimated, _) = with_fits(estimator, positions, masses, smoothing_lengths, lattice)?;
-    Ok(estimated)
-}
-
-/// The same, and how well the neighbours determined the fits.
-fn with_fits<const D: usize>(
-    estimator: &dyn ScoreEstimator<D>,
-    positions: &[[f64; D]],
-    masses: &[f64],
-    smoothing_lengths: &[f64],
-    lattice: &[[[Option<u32>; 2]; D]],
-) -> Result<(Estimated<D>, Fits), Error> {
-    let n = positions.len();
-    let radii: Vec<f64> = smoothing_lengths.iter().map(|h| h * estimator.support()).collect();
+) -> (Vec<[f64; 2]>, Vec<f64>, Vec<f64>) {
+    let estimator = SummationDensity::<Lucy>::default();
+    let support = ScoreEstimator::<2>::support(&estimator);
+    let radii: Vec<f64> = smoothing_lengths.iter().map(|h| h * support).collect();
     let mut neighbours = NeighbourList::new();
-    let criterion = estimator.criterion().unwrap();
+    let criterion = ScoreEstimator::<2>::criterion(&estimator).unwrap();
     let radii = Radii::PerPoint { radii: &radii, criterion };
-    BruteForce::new().full_list(positions, radii, &mut neighbours)?;
+    BruteForce::new().full_list(positions, radii, &mut neighbours).unwrap();
     let cloud = Cloud {
         positions,
         masses,
         smoothing_lengths,
         neighbours: &neighbours,
-        lattice,
+        lattice: &[],
         whitened: false,
         step: 0,
         time: 0.0,
     };
-    let mut out = Estimates::new(n);
-    estimator.estimate(&cloud, &mut out)?;
-    Ok(((out.score, out.density, out.volume), out.fits))
+    let mut out = Estimates::new(positions.len());
+    estimator.estimate(&cloud, &mut out).unwrap();
+    (out.score, out.density, out.volume)
 }
 
 #[test]
 fn an_isolated_particle_sees_its_own_kernel_and_no_gradient() {
     let (mu, h) = (0.3, 0.5);
-    let (score, density, volume) =
-        estimate::<2>(&SummationDensity::<Lucy>::default(), &[[1.0, 2.0]], &[mu], &[h], &[])
-            .unwrap();
+    let (score, density, volume) = estimate(&[[1.0, 2.0]], &[mu], &[h]);
     // Lucy in 2-D: W(0, h) = 5 / (pi h^2).
     let own = mu * 5.0 / (std::f64::consts::PI * h * h);
     assert!((density[0] - own).abs() < 1e-14 * own && (volume[0] - mu / own).abs() < 1e-14);
     assert!(score[0].iter().all(|s| s.abs() < f64::MIN_POSITIVE));
-}
-
-#[test]
-fn an_isolated_particle_does_not_determine_a_fit() {
-    let fit = LogDensityFit {
-        kernel: Lucy,
-        volume: VolumeEstimate::KernelSum,
-        degree: Degree::Quadratic,
-    };
-    let error = estimate::<2>(&fit, &[[1.0, 2.0]], &[0.3], &[0.5], &[]).unwrap_err();
-    assert!(
-        matches!(error, Error::TooFewNeighbours { step: 0, particle: 0, count: 1, limit: 4, .. }),
-        "{error}"
-    );
-}
-
-/// In a whitened cloud it keeps the Gaussian's score instead, and is counted.
-#[test]
-fn an_isolated_particle_of_a_whitened_cloud_keeps_the_score_of_the_gaussian() {
-    let positions = [[1.0, 2.0], [-1.0, -2.0]];
-    let fit = LogDensityFit {
-        kernel: Lucy,
-        volume: VolumeEstimate::KernelSum,
-        degree: Degree::Quadratic,
-    };
-    let (masses, h, lattice) = ([0.3, 0.7], [0.5, 0.5], []);
-    let mut neighbours = NeighbourList::new();
-    let criterion = ScoreEstimator::<2>::criterion(&fit).unwrap();
-    let radii = Radii::PerPoint { radii: &h, criterion };
-    BruteForce::new().full_list(&positions, radii, &mut neighbours).unwrap();
-    let cloud = Cloud {
-        positions: &positions,
-        masses: &masses,
-        smoothing_lengths: &h,
-        neighbours: &neighbours,
-        lattice: &lattice,
-        whitened: true,
-        step: 0,
-        time: 0.0,
-    };
-    let mut out = Estimates::new(2);
-    fit.estimate(&cloud, &mut out).unwrap();
-    assert_eq!(out.score, [[-1.0, -2.0], [1.0, 2.0]]);
-    assert_eq!(out.unresolved.particles, 2);
-    assert!((out.unresolved.mass - 1.0).abs() < 1e-15);
-}
-
-#[test]
-fn what_the_neighbours_do_not_determine_is_counted() {
-    let fit = LogDensityFit {
-        kernel: Lucy,
-        volume: VolumeEstimate::KernelSum,
-        degree: Degree::Quadratic,
-    };
-    let of = |positions: &[[f64; 2]], h: f64| {
-        let (masses, lengths) = (vec![0.02; positions.len()], vec![h; positions.len()]);
-        with_fits::<2>(&fit, positions, &masses, &lengths, &[]).unwrap().1
-    };
-    // A line carries 1, x and x^2 of the six monomials.
-    let line: Vec<[f64; 2]> = (0..9).map(|k| [0.1, 0.2].map(|c| c * f64::from(k))).collect();
-    let Fits { lowered, undetermined, smallest_pivot } = of(&line, 3.0);
-    assert!((lowered, undetermined) == (0, 9) && smallest_pivot > 1e-6, "{smallest_pivot}");
-    let square: Vec<[f64; 2]> =
-        (0..25).map(|k| [0.1 * f64::from(k % 5), 0.1 * f64::from(k / 5)]).collect();
-    let Fits { lowered, undetermined, smallest_pivot } = of(&square, 1.0);
-    assert!((lowered, undetermined) == (0, 0) && smallest_pivot > 1e-3, "{smallest_pivot}");
-    // Five points do not carry six unknowns: the fit is linear.
-    let plus = [[0.0, 0.0], [0.1, 0.0], [-0.1, 0.0], [0.0, 0.1], [0.0, -0.1]];
-    let Fits { lowered, undetermined, .. } = of(&plus, 1.0);
-    assert!((lowered, undetermined) == (5, 0));
 }
 
 #[test]
@@ -190,18 +102,10 @@ fn the_report_of_a_step_counts_fits_of_a_lower_degree() {
 }
 
 #[test]
-fn a_deformed_cell_is_not_to_be_had_without_a_lattice() {
-    let error =
-        estimate::<2>(&LogDensityFit::default(), &[[1.0, 2.0]], &[0.3], &[0.5], &[]).unwrap_err();
-    assert!(matches!(error, Error::NoLatticeCell { particle: 0 }), "{error}");
-}
-
-#[test]
 fn the_gradient_of_the_summation_density_is_that_of_its_averaged_kernels() {
     let positions = [[0.0, 0.0], [0.3, 0.1], [-0.2, 0.25]];
     let (masses, h) = ([0.2, 0.5, 0.3], [0.6, 0.45, 0.8]);
-    let (score, density, _) =
-        estimate::<2>(&SummationDensity::<Lucy>::default(), &positions, &masses, &h, &[]).unwrap();
+    let (score, density, _) = estimate(&positions, &masses, &h);
     // Eq 15 with eq 23, as a function of the position of the first particle.
     let sum = |x: [f64; 2]| -> f64 {
         let averaged = |j: usize| {
@@ -230,53 +134,6 @@ fn the_lattice_of_the_paper_misses_the_mass_beyond_its_outer_cells() {
     assert!((missing / 7.92e-5 - 1.0).abs() < 0.01, "{missing:e}");
 }
 
-/// Score of a correlated Gaussian on a lattice, the rim included.
-fn fit_error_for_a_gaussian<const D: usize>(count: usize) -> f64 {
-    let lattice = Lattice::box_lattice([3.0; D], [count; D]).unwrap();
-    // Precision matrix: 1 on the diagonal, 0.3 next to it.
-    let precision = |k: usize, l: usize| match k.abs_diff(l) {
-        0 => 1.0,
-        1 => 0.3,
-        _ => 0.0,
-    };
-    let score = |x: &[f64; D]| -> [f64; D] {
-        std::array::from_fn(|k| -(0..D).map(|l| precision(k, l) * x[l]).sum::<f64>())
-    };
-    let masses: Vec<f64> = lattice
-        .points
-        .iter()
-        .map(|x| {
-            (0.5 * score(x).iter().zip(x).map(|(s, x)| s * x).sum::<f64>()).exp()
-                * lattice.cell_volume()
-        })
-        .collect();
-    let h = vec![2.6 * lattice.spacing[0]; lattice.points.len()];
-    let (fitted, density, _) = estimate(
-        &LogDensityFit::default(),
-        &lattice.points,
-        &masses,
-        &h,
-        &lattice.axis_neighbours(),
-    )
-    .unwrap();
-    let mut largest = 0.0_f64;
-    for (i, x) in lattice.points.iter().enumerate() {
-        assert!((density[i] * lattice.cell_volume() / masses[i] - 1.0).abs() < 1e-12);
-        for (a, b) in fitted[i].iter().zip(&score(x)) {
-            largest = largest.max((a - b).abs());
-        }
-    }
-    largest
-}
-
-#[test]
-fn the_fit_reproduces_a_quadratic_log_density_up_to_the_rim_in_one_two_and_three_dimensions() {
-    // Roundoff times the condition of the normal matrix at a corner (about 1e6), over the spacing.
-    assert!(fit_error_for_a_gaussian::<1>(21) < 1e-9);
-    assert!(fit_error_for_a_gaussian::<2>(21) < 1e-9);
-    assert!(fit_error_for_a_gaussian::<3>(13) < 1e-9);
-}
-
 #[test]
 fn without_noise_particles_follow_the_equation_of_motion() {
     let free = LinearOscillatorParameters {
@@ -288,7 +145,7 @@ fn without_noise_particles_follow_the_equation_of_motion() {
     let mut simulation = Simulation::new(
         LinearOscillator::new(free).unwrap(),
         &law(),
-        &config(Method::LogDensityFit, InitialLattice::box_of(11)),
+        &config(Method::FlowMapFit, InitialLattice::box_of(11)),
     )
     .unwrap();
     let start = simulation.positions().to_vec();
@@ -307,7 +164,7 @@ fn the_same_bits_come_from_one_two_and_eight_threads() {
             // More particles than one thread keeps to itself.
             let lattice = InitialLattice::box_of(41);
             let mut simulation =
-                Simulation::new(damper(), &law(), &config(Method::LogDensityFit, lattice)).unwrap();
+                Simulation::new(damper(), &law(), &config(Method::FlowMapFit, lattice)).unwrap();
             simulation.advance_to(1.0).unwrap();
             simulation.positions().iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>()
         })
@@ -319,12 +176,9 @@ fn the_same_bits_come_from_one_two_and_eight_threads() {
 #[test]
 fn a_run_restored_from_a_snapshot_goes_on_bit_for_bit() {
     let rectangle = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [25, 17] };
-    for (method, lattice) in [
-        (Method::LogDensityFit, InitialLattice::box_of(21)),
-        (Method::CanorDenoel2013, rectangle),
-        // Two steps: the positions one step ago are part of the state.
-        (custom(|parts| parts.scheme = Scheme::LeapFrog), InitialLattice::box_of(21)),
-    ] {
+    for (method, lattice) in
+        [(Method::FlowMapFit, InitialLattice::box_of(21)), (Method::CanorDenoel2013, rectangle)]
+    {
         let new = || Simulation::new(damper(), &law(), &config(method, lattice)).unwrap();
         let mut whole = new();
         whole.advance_to(0.5).unwrap();
@@ -344,7 +198,7 @@ fn a_run_restored_from_a_snapshot_goes_on_bit_for_bit() {
 
 #[test]
 fn a_snapshot_of_another_simulation_is_refused_and_changes_nothing() {
-    let lattice = |n| config(Method::LogDensityFit, InitialLattice::box_of(n));
+    let lattice = |n| config(Method::FlowMapFit, InitialLattice::box_of(n));
     let other = Simulation::new(damper(), &law(), &lattice(13)).unwrap();
     let mut bytes = Vec::new();
     other.snapshot(&mut bytes).unwrap();
@@ -372,7 +226,7 @@ fn the_papers_method_with_a_small_support_ends_in_a_collapsed_step() {
 fn what_cannot_work_is_refused_before_the_first_step() {
     let new =
         |method, lattice| Simulation::new(damper(), &law(), &config(method, lattice)).unwrap_err();
-    let fit = Method::LogDensityFit;
+    let fit = Method::FlowMapFit;
     let none = InitialLattice::Box { reach: 6.0, count: [0, 0] };
     assert!(matches!(new(fit, none), Error::Store(_)));
     let few = new(fit, InitialLattice::box_of(2)).to_string();
@@ -381,8 +235,8 @@ fn what_cannot_work_is_refused_before_the_first_step() {
     assert_eq!(new(fit, reach).to_string(), "reach is -6; it must be greater than 0");
     let narrow = custom(|c| c.support_over_spacing = 2.0);
     let refused = new(narrow, InitialLattice::box_of(41)).to_string();
-    let expected = "support_radius/spacing is 2: a support holds 8 neighbours of the undisturbed lattice; \
-                    the fit needs 20 in 2-D";
+    let expected = "support_radius/spacing is 2: a support holds 13 neighbours of the undisturbed lattice; \
+                    the fit needs 15 in 2-D";
     assert_eq!(refused, expected);
     let step = custom(|c| c.step = StepRule::Fixed { dt: f64::NAN });
     assert!(matches!(new(step, InitialLattice::box_of(41)), Error::NotFinite { name: "dt", .. }));
@@ -405,7 +259,7 @@ fn a_run_that_cannot_go_on_says_why() {
     let mut simulation = Simulation::new(
         damper(),
         &law(),
-        &Config { most_steps: 3, ..config(Method::LogDensityFit, InitialLattice::box_of(11)) },
+        &Config { most_steps: 3, ..config(Method::FlowMapFit, InitialLattice::box_of(11)) },
     )
     .unwrap();
     let stopped = simulation.advance_to(1.0).unwrap_err();
@@ -413,25 +267,4 @@ fn a_run_that_cannot_go_on_says_why() {
     assert!(time < target && simulation.work().steps == 3);
     assert!(matches!(simulation.advance_to(0.01), Err(Error::TimeInThePast { .. })));
     assert!(matches!(simulation.advance_to(f64::NAN), Err(Error::TimeInThePast { .. })));
-}
-
-#[test]
-fn the_two_volumes_agree_inside_and_differ_at_the_rim() {
-    let rim_error = |volume| {
-        let method = custom(|c| {
-            c.estimator = Estimator::LogDensityFit { volume, degree: Degree::Quadratic }
-        });
-        let simulation =
-            Simulation::new(damper(), &law(), &config(method, InitialLattice::box_of(21))).unwrap();
-        let density = simulation.density().unwrap();
-        let error =
-            |i: usize| (density[i] / law().density(&simulation.positions()[i])).log10().abs();
-        (error(0), error(220))
-    };
-    let (corner, centre) = rim_error(VolumeEstimate::DeformedLattice);
-    assert!(corner < 1e-12 && centre < 1e-12);
-    let (corner, centre) = rim_error(VolumeEstimate::KernelSum);
-    // At a corner three of four quadrants are empty: V would be 4 times too large, but the sum counts whole rows of points
-    // on the edges of the quadrant, and a larger h takes in more.
-    assert!(corner > 0.2 && corner < 4.0_f64.log10() && centre < 0.003, "{corner} {centre}");
 }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{E, PI};
 
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 const DEVIATIONS: [f64; 2] = [0.15, 0.10];
 /// Standard deviations between particles, of which there are 41 along each axis.
@@ -19,7 +19,7 @@ fn at_start() -> (Simulation<LinearOscillator, 2, 1>, GaussianMixture<2>) {
     });
     let law = GaussianMixture::independent([0.0, 0.0], DEVIATIONS).unwrap();
     let config = Config {
-        method: Method::LogDensityFit,
+        method: Method::FlowMapFit,
         lattice: InitialLattice::Box { count: [41, 41], reach: 6.0 },
         reference_period: 2.0,
         most_steps: DEFAULT_MOST_STEPS,

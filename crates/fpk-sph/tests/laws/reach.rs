@@ -1,11 +1,11 @@
 //! How far a lattice goes, and what is known of a probability that it does not hold.
 
 use fpk_sph::observables::{FirstPassage, Probability};
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, MOST_OUTSIDE, Method, Simulation,
 };
 use sde_integrators::GaussianMixture;
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
 fn oscillator() -> LinearOscillator {
     LinearOscillator::new(LinearOscillatorParameters {

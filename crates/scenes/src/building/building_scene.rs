@@ -1,12 +1,12 @@
 //! The building of a scene, and the ground beneath it.
 
-use fpk_sph::Error;
-use fpk_sph::systems::{
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vibrating_systems::Error;
+use vibrating_systems::{
     CloughPenzienParameters, Ground, Hysteresis, KanaiTajimiParameters, ShearBuilding,
     ShearBuildingParameters, Storey,
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::fpk::structure_scene::WindowScene;
 use crate::scene::Objection;

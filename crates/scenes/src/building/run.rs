@@ -4,13 +4,13 @@ mod ladder;
 
 use std::path::PathBuf;
 
-use fpk_sph::systems::ShearBuilding;
 use random_vibration::{
     FreePassages, GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig,
     TailError, subset_passage,
 };
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use sde_integrators::Error;
+use vibrating_systems::ShearBuilding;
 
 use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;

@@ -1,10 +1,10 @@
 //! A scene of a building as written in its JSON file.
 
-use fpk_sph::systems::ShearBuilding;
 use schemars::JsonSchema;
 use sde_integrators::{Between, Response, Side};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use vibrating_systems::ShearBuilding;
 
 use super::building_scene::{BuildingScene, GroundScene};
 use super::method_scene::BuildingMethod;

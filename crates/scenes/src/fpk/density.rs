@@ -18,7 +18,7 @@ pub struct Asked<const D: usize = 2> {
     pub demand: Demand,
     /// Thresholds `T` of `P(|y| > T)` for the demand `y`.
     pub thresholds: Vec<f64>,
-    /// Whether to integrate over the particles' cells, which requires local fits.
+    /// Whether to integrate over the particles' cells, which requires a flow map.
     pub cells: bool,
 }
 
@@ -82,8 +82,6 @@ pub struct Row {
     pub entropy: f64,
     /// Integral of the density over the cells, if requested.
     pub cell_mass: Option<f64>,
-    /// Number of cells in which the fit was not trusted, if cells were requested.
-    pub distrusted_cells: Option<usize>,
     /// CPU time of the solver so far (s), without observation.
     pub cpu_seconds: f64,
 }
@@ -346,7 +344,6 @@ fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
         mass_outside: simulation.mass_outside(),
         entropy: simulation.entropy()?,
         cell_mass: cells.as_ref().map(CellIntegral::total_mass),
-        distrusted_cells: cells.as_ref().map(CellIntegral::n_distrusted),
         cpu_seconds,
     })
 }

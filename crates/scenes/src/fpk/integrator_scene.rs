@@ -1,16 +1,14 @@
-//! Path integrators that a scene can name.
+//! Path integrators: one for each system.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Integrator of a path.
+/// Integrator of a path. Each system has one, the best that was measured on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum IntegratorScene {
-    /// Forward Euler, the paper's.
+    /// Forward Euler, for noise that depends on the state.
     EulerMaruyama,
-    /// Semi-implicit Euler.
-    SemiImplicitEuler,
     /// Strang splitting with exact rotation and exact damper flow.
     StrangOscillator,
     /// The same for the hysteretic oscillator.
@@ -25,7 +23,6 @@ impl IntegratorScene {
     pub const fn name(self) -> &'static str {
         match self {
             Self::EulerMaruyama => "forward Euler",
-            Self::SemiImplicitEuler => "semi-implicit Euler",
             Self::StrangOscillator => "Strang",
             Self::StrangBoucWen => "Strang with hysteresis",
             Self::Shark => "ShARK",

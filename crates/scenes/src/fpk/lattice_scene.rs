@@ -47,17 +47,17 @@ pub struct LatticeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 0))]
     pub negligible: Option<f64>,
-    /// How fast positions lose the waves that the flow-map fit does not resolve; not of the log-density fit.
+    /// How fast positions lose the waves that the fit does not resolve.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = SettlingScene::Uniform))]
     pub settling: Option<SettlingScene>,
     /// Degree of the local polynomials.
     ///
-    /// Default: quadratic in the log-density fit; in the flow-map fit cubic up to four states and quadratic from five.
+    /// Default: cubic up to four states and quadratic from five.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degree: Option<DegreeScene>,
     /// Where a filter's states are carried. Conditioned out they need no axis of the lattice: `count` then has an entry for each
-    /// state of the structure. Flow-map fit alone.
+    /// state of the structure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = FilterScene::Lattice), example = FilterScene::Conditioned)]
     pub filter: Option<FilterScene>,
@@ -102,7 +102,6 @@ impl DegreeScene {
         let degree = self.degree();
         match estimator {
             Estimator::SummationDensity => estimator,
-            Estimator::LogDensityFit { volume, .. } => Estimator::LogDensityFit { volume, degree },
             Estimator::FlowMapFit { thinnest, settling, .. } => {
                 Estimator::FlowMapFit { degree, thinnest, settling }
             }
@@ -237,37 +236,11 @@ impl LatticeScene {
 }
 
 impl LatticeScene {
-    /// Rejects a negligible part out of its range, and one for a scheme that must be stable in every cell.
+    /// Rejects a negligible part out of its range.
     fn check_negligible(&self, path: &str) -> Result<(), Objection> {
         let Some(negligible) = self.negligible else { return Ok(()) };
-        let path = format!("{path}.negligible");
         let is_in_range = (0.0..=MOST_NEGLIGIBLE).contains(&negligible);
-        must(&path, negligible, is_in_range, "from 0 to 0.03")?;
-        if negligible == 0.0 || self.scheme != Some(SchemeScene::RungeKuttaChebyshev) {
-            return Ok(());
-        }
-        Err(Objection::new(path, "runge_kutta_chebyshev must be stable in every cell").with_help(
-            "leave it out, or use lawson_adams_bashforth_2, lawson_runge_kutta_4 or runge_kutta_4",
-        ))
-    }
-
-    /// Rejects what the flow-map fit alone knows, in a method at this path.
-    pub(super) fn refuse_keys_of_flow_map_fit(&self, path: &str) -> Result<(), Objection> {
-        let conditions = self.filter == Some(FilterScene::Conditioned);
-        for (is_given, key, message) in [
-            (
-                self.settling.is_some(),
-                "settling",
-                "the log-density fit moves particles by the flow alone",
-            ),
-            (conditions, "filter", "filter states are conditioned out by the flow-map fit alone"),
-        ] {
-            if is_given {
-                return Err(Objection::new(format!("{path}.{key}"), message)
-                    .with_help("leave it out, or use flow_map_fit"));
-            }
-        }
-        Ok(())
+        must(&format!("{path}.negligible"), negligible, is_in_range, "from 0 to 0.03")
     }
 
     /// Rejects a reach or a smallest probability out of its range, and both.
@@ -332,27 +305,21 @@ mod tests {
     use crate::schema::defaults;
 
     #[test]
-    fn a_negligible_part_is_refused_out_of_its_range_and_for_a_scheme_that_must_be_stable_everywhere()
-     {
+    fn a_negligible_part_is_refused_out_of_its_range() {
         let objection = |keys: &str| {
             let text = format!(r#"{{ "count": [21, 21], "reach": 6, {keys} }}"#);
             let lattice: LatticeScene = serde_json::from_str(&text).unwrap();
             lattice.check("method.flow_map_fit", &["q", "v"]).err().map(|error| error.to_string())
         };
         assert_eq!(objection(r#""negligible": 0.01"#), None);
-        assert_eq!(objection(r#""negligible": 0, "scheme": "runge_kutta_chebyshev""#), None);
-        for keys in [
-            r#""negligible": 0.04"#,
-            r#""negligible": -1e-3"#,
-            r#""negligible": 0.01, "scheme": "runge_kutta_chebyshev""#,
-        ] {
+        for keys in [r#""negligible": 0.04"#, r#""negligible": -1e-3"#] {
             let error = objection(keys).unwrap();
             assert!(error.contains("method.flow_map_fit.negligible"), "{error}");
         }
     }
 
     #[test]
-    fn settling_is_that_of_the_flow_map_fit_and_refused_for_the_log_density_fit() {
+    fn settling_is_that_of_the_scene() {
         let text = r#"{ "spacing": 0.6, "reach": 6, "settling": "graded" }"#;
         let lattice: LatticeScene = serde_json::from_str(text).unwrap();
         let combination = lattice.method::<3>(Method::FlowMapFit).combination_in(3);
@@ -360,9 +327,6 @@ mod tests {
             panic!("another estimator: {combination:?}");
         };
         assert_eq!(settling, Settling::GRADED);
-        let error =
-            lattice.refuse_keys_of_flow_map_fit("method.log_density_fit").unwrap_err().to_string();
-        assert!(error.contains("method.log_density_fit.settling"), "{error}");
     }
 
     #[test]
@@ -371,9 +335,8 @@ mod tests {
         assert!(!told.is_empty());
         told.insert("reach".to_owned(), 5.into());
         let told: LatticeScene = serde_json::from_value(told.into()).unwrap();
-        for method in [Method::LogDensityFit, Method::FlowMapFit] {
-            assert_eq!(told.method::<2>(method), Method::Custom(method.combination_in(2)));
-            assert_eq!(told.method::<5>(method), Method::Custom(method.combination_in(5)));
-        }
+        let method = Method::FlowMapFit;
+        assert_eq!(told.method::<2>(method), Method::Custom(method.combination_in(2)));
+        assert_eq!(told.method::<5>(method), Method::Custom(method.combination_in(5)));
     }
 }

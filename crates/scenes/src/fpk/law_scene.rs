@@ -61,7 +61,7 @@ impl LawScene {
     /// `filter` is the stationary covariance of the filter's states, which come last.
     ///
     /// # Errors
-    /// [`SystemError`] for a list of another length; [`fpk_sph::Error`] for an invalid distribution.
+    /// [`SystemError`] for a list of another length; [`vibrating_systems::Error`] for an invalid distribution.
     pub fn build<const D: usize>(
         &self,
         filter: Option<&[Vec<f64>]>,
@@ -105,7 +105,7 @@ impl LawScene {
                 GaussianMixture::mixture(&components)
             }
         };
-        Ok(law.map_err(fpk_sph::Error::from)?)
+        Ok(law.map_err(vibrating_systems::Error::from)?)
     }
 
     pub(super) fn check(&self, system: &System) -> Result<(), Objection> {

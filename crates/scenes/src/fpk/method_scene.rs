@@ -25,11 +25,8 @@ use crate::scene::Objection;
 #[schemars(example = Self::grid())]
 #[schemars(example = Self::linearised())]
 #[schemars(example = Self::guided())]
-#[schemars(example = Self::importance())]
 #[schemars(example = Self::subset())]
 pub enum MethodScene {
-    /// Whitened log-density fit: local polynomials over neighbouring particles.
-    LogDensityFit(LatticeScene),
     /// Flow-map fit: local polynomials over the initial lattice, without a neighbour search.
     FlowMapFit(LatticeScene),
     /// The method of Canor & Denoël 2013 as printed.
@@ -43,10 +40,6 @@ pub enum MethodScene {
         courant: f64,
         /// `support_radius / spacing` at the start (no unit).
         support_over_spacing: f64,
-        /// Time integration scheme.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(extend("default" = SchemeScene::ForwardEuler))]
-        scheme: Option<SchemeScene>,
     },
     /// Monte Carlo: sampled paths.
     MonteCarlo {
@@ -54,8 +47,9 @@ pub enum MethodScene {
         paths: u64,
         /// Longest step (s).
         step: f64,
-        /// Integrator of a path.
-        integrator: IntegratorScene,
+        /// Integrator of a path: that of the system.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
     },
@@ -79,19 +73,9 @@ pub enum MethodScene {
         samples: u64,
         /// Longest step; an interval between times has a whole number of steps (s).
         step: f64,
-        /// Integrator of a path.
-        integrator: IntegratorScene,
-        /// Seed of all random numbers (no unit).
-        seed: u64,
-    },
-    /// Exceedance probabilities by importance sampling about a design point for each time, threshold and sign.
-    ImportanceSampling {
-        /// Number of paths for each tail (no unit).
-        samples: u64,
-        /// Longest step (s).
-        step: f64,
-        /// Integrator of a path.
-        integrator: IntegratorScene,
+        /// Integrator of a path: that of the system.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
     },
@@ -105,8 +89,9 @@ pub enum MethodScene {
         runs: u64,
         /// Longest step (s).
         step: f64,
-        /// Integrator of a path.
-        integrator: IntegratorScene,
+        /// Integrator of a path: that of the system.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
     },
@@ -130,7 +115,6 @@ impl MethodScene {
             half_width: vec![0.6, 0.4],
             courant: 0.8,
             support_over_spacing: 2.5,
-            scheme: Some(SchemeScene::RungeKutta4),
         }
     }
 
@@ -138,7 +122,7 @@ impl MethodScene {
         Self::MonteCarlo {
             paths: 100_000,
             step: 0.01,
-            integrator: IntegratorScene::StrangOscillator,
+            integrator: Some(IntegratorScene::StrangOscillator),
             seed: 1,
         }
     }
@@ -152,19 +136,13 @@ impl MethodScene {
     }
 
     fn guided() -> Self {
-        let integrator = IntegratorScene::StrangOscillator;
-        Self::GuidedPaths { samples: 2_000, step: 0.04, integrator, seed: 1 }
-    }
-
-    fn importance() -> Self {
-        let integrator = IntegratorScene::StrangOscillator;
-        Self::ImportanceSampling { samples: 10_000, step: 0.04, integrator, seed: 1 }
+        Self::GuidedPaths { samples: 2_000, step: 0.04, integrator: None, seed: 1 }
     }
 
     fn subset() -> Self {
         let (samples, correlation, runs) = (500, 0.8, 8);
-        let integrator = IntegratorScene::StrangOscillator;
-        Self::SubsetSimulation { samples, correlation, runs, step: 0.04, integrator, seed: 1 }
+        let (step, integrator, seed) = (0.04, None, 1);
+        Self::SubsetSimulation { samples, correlation, runs, step, integrator, seed }
     }
 
     fn fit() -> Self {
@@ -175,7 +153,7 @@ impl MethodScene {
             smallest_probability: Some(1e-6),
             fresh_lattices: Some(FreshLatticesScene { most_uneven: 1.5, ..Default::default() }),
             steps_per_period: Some(80.0),
-            scheme: Some(SchemeScene::Heun),
+            scheme: Some(SchemeScene::LawsonAdamsBashforth2),
             negligible: Some(1e-4),
             settling: Some(SettlingScene::Graded),
             degree: Some(DegreeScene::Quadratic),
@@ -191,18 +169,14 @@ impl MethodScene {
     #[must_use]
     pub fn density_config<const D: usize>(&self, period: f64, scale: f64) -> Option<Config<D>> {
         let (method, lattice) = match self {
-            Self::LogDensityFit(lattice) => {
-                (lattice.method::<D>(Method::LogDensityFit), lattice.build(scale)?)
-            }
             Self::FlowMapFit(lattice) => {
                 (lattice.method::<D>(Method::FlowMapFit), lattice.build(scale)?)
             }
-            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, scheme } => {
+            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
                 let paper = Method::CanorDenoel2013.combination();
                 let combination = Combination {
                     step: StepRule::Courant { number: *courant },
                     support_over_spacing: *support_over_spacing,
-                    scheme: scheme.map_or(paper.scheme, SchemeScene::scheme),
                     ..paper
                 };
                 let half_width = half_width.as_slice().try_into().ok()?;
@@ -221,16 +195,6 @@ impl MethodScene {
         matches!(self, Self::FlowMapFit(lattice) if lattice.filter == Some(FilterScene::Conditioned))
     }
 
-    /// Scheme named by the scene, and name of the method.
-    fn scheme(&self) -> Option<(&'static str, SchemeScene)> {
-        match self {
-            Self::LogDensityFit(lattice) => Some(("log_density_fit", lattice.scheme?)),
-            Self::FlowMapFit(lattice) => Some(("flow_map_fit", lattice.scheme?)),
-            Self::CanorDenoel2013 { scheme, .. } => Some(("canor_denoel_2013", (*scheme)?)),
-            _ => None,
-        }
-    }
-
     /// Rejects numbers outside their range, lists of another length, and integrators and schemes of another system.
     pub(super) fn check(
         &self,
@@ -238,21 +202,19 @@ impl MethodScene {
         initial: &LawScene,
         times: &[f64],
     ) -> Result<(), Objection> {
-        if let Some((method, scheme)) = self.scheme() {
-            scheme.check(&format!("method.{method}.scheme"), system, initial, times)?;
-        }
         let states = system.states();
         match self {
-            Self::LogDensityFit(lattice) => {
-                lattice.refuse_keys_of_flow_map_fit("method.log_density_fit")?;
-                lattice.check("method.log_density_fit", states)
-            }
             Self::FlowMapFit(lattice) if self.conditions_filter() => {
                 let of_structure = check_conditioned(lattice, system, initial)?;
                 lattice.check("method.flow_map_fit", of_structure)
             }
-            Self::FlowMapFit(lattice) => lattice.check("method.flow_map_fit", states),
-            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing, .. } => {
+            Self::FlowMapFit(lattice) => {
+                if let Some(scheme) = lattice.scheme {
+                    scheme.check("method.flow_map_fit.scheme", system)?;
+                }
+                lattice.check("method.flow_map_fit", states)
+            }
+            Self::CanorDenoel2013 { count, half_width, courant, support_over_spacing } => {
                 let path = "method.canor_denoel_2013";
                 check_counts(path, count, states)?;
                 check_length(&format!("{path}.half_width"), half_width.len(), states)?;
@@ -278,11 +240,6 @@ impl MethodScene {
                 let path = "method.guided_paths";
                 must(&format!("{path}.samples"), *samples as f64, *samples >= 100, "at least 100")?;
                 check_additive(path, system)?;
-                check_path(path, *step, *integrator, (system, initial, times))
-            }
-            Self::ImportanceSampling { samples, step, integrator, .. } => {
-                let path = "method.importance_sampling";
-                must(&format!("{path}.samples"), *samples as f64, *samples >= 2, "at least 2")?;
                 check_path(path, *step, *integrator, (system, initial, times))
             }
             Self::SubsetSimulation { samples, correlation, runs, step, integrator, .. } => {
@@ -316,7 +273,7 @@ impl MethodScene {
             "the grid solves an oscillator with the states q, v; this system has the states {states}"
         );
         Err(Objection::new(path, message).with_help(
-            "use `log_density_fit` or `flow_map_fit` for the density, `statistical_linearisation` for moments",
+            "use `flow_map_fit` for the density, `statistical_linearisation` for moments",
         ))
     }
 }
@@ -356,17 +313,16 @@ fn check_additive(path: &str, system: &System) -> Result<(), Objection> {
 /// Rejects an integrator of another system.
 fn check_integrator(
     path: &str,
-    integrator: IntegratorScene,
+    integrator: Option<IntegratorScene>,
     system: &System,
 ) -> Result<(), Objection> {
-    let offered = system.integrators();
-    if offered.contains(&integrator) {
+    let (own, Some(integrator)) = (system.integrator(), integrator) else { return Ok(()) };
+    if integrator == own {
         return Ok(());
     }
-    let names: Vec<_> = offered.iter().map(|integrator| integrator.name()).collect();
     let message = format!("the integrator {} does not apply to this system", integrator.name());
     Err(Objection::new(format!("{path}.integrator"), message)
-        .with_help(format!("available: {}", names.join(", "))))
+        .with_help(format!("leave it out: paths of this system are by {}", own.name())))
 }
 
 /// Fewest steps of a path in a period: with fewer its bias, which no standard error shows, is of the size of the response.
@@ -390,7 +346,7 @@ fn check_step(key: &str, step: f64, (system, times): (&System, &[f64])) -> Resul
 fn check_path(
     path: &str,
     step: f64,
-    integrator: IntegratorScene,
+    integrator: Option<IntegratorScene>,
     (system, initial, times): (&System, &LawScene, &[f64]),
 ) -> Result<(), Objection> {
     let key = format!("{path}.step");

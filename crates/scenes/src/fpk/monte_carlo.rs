@@ -9,19 +9,16 @@ use sde_integrators::{
 use serde::{Deserialize, Serialize};
 
 use super::density::Asked;
-use super::integrator_scene::IntegratorScene;
 use super::paths::{PathEnsemble, Paths, PathsError};
 use crate::clock::CpuClock;
 
-/// Ensemble size and integrator.
+/// Ensemble size and step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     /// Number of paths.
     pub paths: u64,
     /// Longest step.
     pub step: f64,
-    /// Integrator of a path.
-    pub integrator: IntegratorScene,
     /// Seed.
     pub seed: u64,
 }
@@ -59,15 +56,27 @@ impl SampledRun {
 /// Samples paths of a system of a scene; [`Asked::cells`] is ignored.
 ///
 /// # Errors
-/// Errors of the ensemble: invalid numbers, or a path that is not finite; an integrator of another system.
+/// Errors of the ensemble: invalid numbers, or a path that is not finite.
 pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
     system: &S,
     law: &GaussianMixture<D>,
     sampling: &Sampling,
     asked: &Asked<D>,
 ) -> Result<SampledRun, PathsError> {
+    run_by(&|paths, place| system.shard(paths, place), law, sampling, asked)
+}
+
+/// As [`run_on`] for paths that `shard` samples.
+///
+/// # Errors
+/// As [`run_on`].
+pub fn run_by<const D: usize>(
+    shard: Shard<'_, D>,
+    law: &GaussianMixture<D>,
+    sampling: &Sampling,
+    asked: &Asked<D>,
+) -> Result<SampledRun, PathsError> {
     let so_far = SampledSoFar::default();
-    let shard: Shard<'_, D> = &|paths, place| system.shard(sampling.integrator, paths, place);
     sample(shard, law, sampling, asked, (0..1, 1), so_far, &mut |_| Ok::<(), PathsError>(()))?
         .run(asked)
 }

@@ -1,14 +1,14 @@
-//! Integrators available for each system of a scene.
+//! Sampled paths of each system of a scene, by its integrator.
 
-use fpk_sph::systems::{
-    Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
-    LinearOscillator, OrnsteinUhlenbeck, StrangBoucWen, TwoStorey, VanDerPolRayleigh,
-    ViscousDamper,
-};
 use random_vibration::{GuidedPaths, Linearisation, TailError, TailPaths};
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, General, Integrator,
-    Observable, Sde, SemiImplicitEuler, ShardRecord, Shark, SimdLevel, StrangOscillator, Study,
+    Observable, Sde, ShardRecord, Shark, SimdLevel, StrangOscillator, Study,
+};
+use vibrating_systems::{
+    Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
+    LinearOscillator, OrnsteinUhlenbeck, StrangBoucWen, TwoStorey, VanDerPolRayleigh,
+    ViscousDamper,
 };
 
 use super::density::Erased;
@@ -16,42 +16,35 @@ use super::integrator_scene::IntegratorScene;
 
 /// A system whose paths can be sampled.
 pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
-    /// Integrators of this system.
-    const INTEGRATORS: &'static [IntegratorScene];
+    /// Integrator of this system.
+    const INTEGRATOR: IntegratorScene;
 
-    /// Runs part `place.0` of `place.1` of an ensemble by one of [`INTEGRATORS`](Self::INTEGRATORS).
+    /// Runs part `place.0` of `place.1` of an ensemble.
     ///
     /// # Errors
     /// [`PathsError`].
     fn shard(
         &self,
-        integrator: IntegratorScene,
         ensemble: &PathEnsemble<'_, D>,
         place: (u64, u64),
     ) -> Result<ShardRecord, PathsError>;
 
     /// Paths to a time in a given number of steps, as functions of standard normals.
     ///
-    /// The integrator is one of [`INTEGRATORS`](Self::INTEGRATORS).
-    ///
     /// # Errors
     /// [`PathsError`].
     fn tails<'a>(
         &'a self,
-        integrator: IntegratorScene,
         law: &GaussianMixture<D>,
         span: (f64, usize),
     ) -> Result<TailPaths<'a, D>, PathsError>;
 
     /// Paths to a time in a given number of steps, guided by a linearisation.
     ///
-    /// The integrator is one of [`INTEGRATORS`](Self::INTEGRATORS).
-    ///
     /// # Errors
     /// [`PathsError`].
     fn guided<'a>(
         &'a self,
-        integrator: IntegratorScene,
         law: &GaussianMixture<D>,
         span: (f64, usize),
         rule: &Linearisation<D>,
@@ -73,7 +66,11 @@ pub struct PathEnsemble<'a, const D: usize> {
 }
 
 impl<const D: usize> PathEnsemble<'_, D> {
-    fn shard<S: Sync, I: Integrator<S, D, M>, const M: usize>(
+    /// Runs part `shard` of `n_shards` by an integrator.
+    ///
+    /// # Errors
+    /// [`PathsError::Ensemble`].
+    pub fn shard<S: Sync, I: Integrator<S, D, M>, const M: usize>(
         &self,
         system: &S,
         integrator: &I,
@@ -107,58 +104,37 @@ pub enum PathsError {
     /// The noise depends on the state.
     #[error("guided paths need additive noise")]
     NotAdditive,
-    /// The integrator does not apply to the system.
-    #[error("the integrator {} does not apply to this system", .0.name())]
-    NotOffered(IntegratorScene),
 }
 
-/// One line for each system that is compiled separately, as vector lanes require: its dimensions and its integrators.
+/// One line for each system that is compiled separately, as vector lanes require: its dimensions and its integrator.
 macro_rules! compiled_paths {
-    ($($system:ty, $d:literal, $m:literal: $($integrator:ident),+;)+) => { $(
+    ($($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
         impl Paths<$d, $m> for $system {
-            const INTEGRATORS: &'static [IntegratorScene] = &[$(IntegratorScene::$integrator),+];
+            const INTEGRATOR: IntegratorScene = IntegratorScene::$integrator;
 
             fn shard(
                 &self,
-                integrator: IntegratorScene,
                 ensemble: &PathEnsemble<'_, $d>,
                 place: (u64, u64),
             ) -> Result<ShardRecord, PathsError> {
-                match integrator {
-                    $(IntegratorScene::$integrator => {
-                        ensemble.shard::<_, _, $m>(self, &$integrator, place)
-                    })+
-                    other => Err(PathsError::NotOffered(other)),
-                }
+                ensemble.shard::<_, _, $m>(self, &$integrator, place)
             }
 
             fn tails<'a>(
                 &'a self,
-                integrator: IntegratorScene,
                 law: &GaussianMixture<$d>,
                 span: (f64, usize),
             ) -> Result<TailPaths<'a, $d>, PathsError> {
-                match integrator {
-                    $(IntegratorScene::$integrator => {
-                        Ok(TailPaths::new::<_, _, $m>(self, &$integrator, law, span)?)
-                    })+
-                    other => Err(PathsError::NotOffered(other)),
-                }
+                Ok(TailPaths::new::<_, _, $m>(self, &$integrator, law, span)?)
             }
 
             fn guided<'a>(
                 &'a self,
-                integrator: IntegratorScene,
                 law: &GaussianMixture<$d>,
                 span: (f64, usize),
                 rule: &Linearisation<$d>,
             ) -> Result<GuidedPaths<'a>, PathsError> {
-                match integrator {
-                    $(IntegratorScene::$integrator => {
-                        Ok(GuidedPaths::new(self, &$integrator, law, span, rule)?)
-                    })+
-                    other => Err(PathsError::NotOffered(other)),
-                }
+                Ok(GuidedPaths::new(self, &$integrator, law, span, rule)?)
             }
 
             fn additive(&self) -> Option<&dyn Sde<$d, $m, Noise = Additive>> {
@@ -193,52 +169,33 @@ macro_rules! guided {
 macro_rules! erased_paths {
     ($noise:ident: $($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
         impl Paths<$d, $m> for $system {
-            const INTEGRATORS: &'static [IntegratorScene] = &[IntegratorScene::$integrator];
+            const INTEGRATOR: IntegratorScene = IntegratorScene::$integrator;
 
             fn shard(
                 &self,
-                integrator: IntegratorScene,
                 ensemble: &PathEnsemble<'_, $d>,
                 place: (u64, u64),
             ) -> Result<ShardRecord, PathsError> {
-                match integrator {
-                    IntegratorScene::$integrator => {
-                        let system = Erased::<_, $d, $m>(self);
-                        ensemble.shard::<_, _, $m>(&system, &$integrator, place)
-                    }
-                    other => Err(PathsError::NotOffered(other)),
-                }
+                ensemble.shard::<_, _, $m>(&Erased::<_, $d, $m>(self), &$integrator, place)
             }
 
             fn tails<'a>(
                 &'a self,
-                integrator: IntegratorScene,
                 law: &GaussianMixture<$d>,
                 span: (f64, usize),
             ) -> Result<TailPaths<'a, $d>, PathsError> {
-                match integrator {
-                    IntegratorScene::$integrator => {
-                        let system: &dyn Sde<$d, $m, Noise = $noise> = self;
-                        Ok(TailPaths::new::<_, _, $m>(system, &$integrator, law, span)?)
-                    }
-                    other => Err(PathsError::NotOffered(other)),
-                }
+                let system: &dyn Sde<$d, $m, Noise = $noise> = self;
+                Ok(TailPaths::new::<_, _, $m>(system, &$integrator, law, span)?)
             }
 
             fn guided<'a>(
                 &'a self,
-                integrator: IntegratorScene,
                 law: &GaussianMixture<$d>,
                 span: (f64, usize),
                 rule: &Linearisation<$d>,
             ) -> Result<GuidedPaths<'a>, PathsError> {
-                match integrator {
-                    IntegratorScene::$integrator => {
-                        let system: &dyn Sde<$d, $m, Noise = $noise> = self;
-                        guided!($noise, system, &$integrator, law, span, rule)
-                    }
-                    other => Err(PathsError::NotOffered(other)),
-                }
+                let system: &dyn Sde<$d, $m, Noise = $noise> = self;
+                guided!($noise, system, &$integrator, law, span, rule)
             }
 
             fn additive(&self) -> Option<&dyn Sde<$d, $m, Noise = Additive>> {
@@ -249,9 +206,9 @@ macro_rules! erased_paths {
 }
 
 compiled_paths! {
-    LinearOscillator, 2, 1: EulerMaruyama, SemiImplicitEuler, StrangOscillator;
-    ViscousDamper, 2, 1: EulerMaruyama, SemiImplicitEuler, StrangOscillator;
-    BoucWen, 3, 1: EulerMaruyama, StrangBoucWen;
+    LinearOscillator, 2, 1: StrangOscillator;
+    ViscousDamper, 2, 1: StrangOscillator;
+    BoucWen, 3, 1: StrangBoucWen;
     Filtered<ViscousDamper, 2, 2>, 4, 1: Shark;
     Filtered<BoucWen, 3, 2>, 5, 1: Shark;
 }

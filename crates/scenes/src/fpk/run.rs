@@ -20,12 +20,12 @@ mod tests;
 
 use std::path::PathBuf;
 
-use fpk_sph::systems::Filtered;
 use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
+use vibrating_systems::Filtered;
 
 use crate::checkpoint::Checkpoint;
 use crate::fpk::density::{
@@ -52,7 +52,7 @@ use pictures::{Pictures, Seen};
 use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
 use resolutions::Resolutions;
 use sampled::Sampled;
-use tails::{Driven, Estimator, TailsOf};
+use tails::{Estimator, TailsOf};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "fpk-sph",
@@ -92,9 +92,9 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
 
 /// Solves the scene by its method.
 fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, RunError> {
-    if let MethodScene::MonteCarlo { paths, step, integrator, seed } = scene.method {
+    if let MethodScene::MonteCarlo { paths, step, seed, .. } = scene.method {
         run.progress.stage("Monte Carlo");
-        let sampling = Sampling { paths, step, integrator, seed };
+        let sampling = Sampling { paths, step, seed };
         return system.visit(Sampled { scene, system, sampling, run });
     }
     let inputs = Inputs { scene, seed: None, files: &[] };
@@ -115,18 +115,14 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
             run.progress.stage("statistical linearisation");
             system.visit(Linearised { scene, system, step })
         }
-        MethodScene::GuidedPaths { samples, step, integrator, seed } => {
+        MethodScene::GuidedPaths { samples, step, seed, .. } => {
             let how = Estimator::Guided { samples };
-            system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
+            system.visit(TailsOf { scene, system, run, step, seed, how })
         }
-        MethodScene::ImportanceSampling { samples, step, integrator, seed } => {
-            let how = Estimator::Driven(Driven::Importance { samples });
-            system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
-        }
-        MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed } => {
+        MethodScene::SubsetSimulation { samples, correlation, runs, step, seed, .. } => {
             let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
-            let how = Estimator::Driven(Driven::Subset { config });
-            system.visit(TailsOf { scene, system, run, step, integrator, seed, how })
+            let how = Estimator::Subset { config };
+            system.visit(TailsOf { scene, system, run, step, seed, how })
         }
         _ => {
             run.no_shards()?;
@@ -147,7 +143,7 @@ const MOST_STATES_OF_CELLS: usize = 4;
 /// Why nothing is integrated over cells, where that applies.
 fn no_cells(method: &MethodScene, states: usize) -> Option<Unknown> {
     let reason = match method {
-        MethodScene::LogDensityFit(_) | MethodScene::FlowMapFit(_) => {
+        MethodScene::FlowMapFit(_) => {
             (states > MOST_STATES_OF_CELLS).then(|| {
                 format!(
                     "cells are integrated in {MOST_STATES_OF_CELLS} dimensions at most, and there are {states} states: \
@@ -156,11 +152,11 @@ fn no_cells(method: &MethodScene, states: usize) -> Option<Unknown> {
             })
         }
         _ => Some(
-            "the method has no local fits, which integrals over cells need: read exceedance-log-interpolated"
+            "the method follows no flow map, which integrals over cells need: read exceedance-log-interpolated"
                 .to_owned(),
         ),
     }?;
-    Some(Unknown { what: "exceedance-cell, cell-mass and distrusted-cells".to_owned(), reason })
+    Some(Unknown { what: "exceedance-cell and cell-mass".to_owned(), reason })
 }
 
 /// The error of the assumption by which the states of a filter are conditioned out, which a linear structure does not have.

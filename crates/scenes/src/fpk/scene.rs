@@ -244,7 +244,6 @@ impl Scene for FpkScene {
         match &mut self.method {
             MethodScene::MonteCarlo { seed, .. }
             | MethodScene::GuidedPaths { seed, .. }
-            | MethodScene::ImportanceSampling { seed, .. }
             | MethodScene::SubsetSimulation { seed, .. } => Some(seed),
             _ => None,
         }
@@ -271,9 +270,7 @@ impl FpkScene {
             MethodScene::FlowMapFit(_) if self.method.conditions_filter() => {
                 self.check_without_filter(states, n_structure)
             }
-            MethodScene::GuidedPaths { .. }
-            | MethodScene::ImportanceSampling { .. }
-            | MethodScene::SubsetSimulation { .. }
+            MethodScene::GuidedPaths { .. } | MethodScene::SubsetSimulation { .. }
                 if self.thresholds.is_empty() =>
             {
                 let message = "the method estimates exceedance probabilities alone, and there is no threshold";

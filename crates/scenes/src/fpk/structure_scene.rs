@@ -1,13 +1,13 @@
 //! Structures that a scene can name, alone or behind a filter, and modulating functions of their noise.
 
-use fpk_sph::Error;
-use fpk_sph::systems::{
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vibrating_systems::Error;
+use vibrating_systems::{
     BoucWen, BoucWenParameters, Duffing, DuffingParameters, LinearOscillator,
     LinearOscillatorParameters, TabulatedWindow, TwoStorey, TwoStoreyParameters, ViscousDamper,
     ViscousDamperParameters, Window,
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// A structure in its first mode.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

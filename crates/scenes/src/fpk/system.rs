@@ -1,6 +1,6 @@
 //! A checked system of a scene, and its properties in any dimension.
 
-use fpk_sph::systems::{
+use vibrating_systems::{
     Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
     LinearOscillator, OrnsteinUhlenbeck, TwoStorey, VanDerPolRayleigh, ViscousDamper,
 };
@@ -231,10 +231,10 @@ impl System {
         })
     }
 
-    /// Integrators of its paths.
+    /// Integrator of its paths.
     #[must_use]
-    pub fn integrators(&self) -> &'static [IntegratorScene] {
-        self.visit(Offered)
+    pub fn integrator(&self) -> IntegratorScene {
+        self.visit(IntegratorOf)
     }
 
     /// Reference time of the steps: the shortest period of an oscillation, else a relaxation time (s).
@@ -307,13 +307,13 @@ fn frame_period(system: &TwoStorey) -> f64 {
     std::f64::consts::TAU / system.natural_frequencies()[1]
 }
 
-/// Returns the integrators of a system.
-struct Offered;
+/// Returns the integrator of a system.
+struct IntegratorOf;
 
-impl Visitor for Offered {
-    type Output = &'static [IntegratorScene];
+impl Visitor for IntegratorOf {
+    type Output = IntegratorScene;
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
-        S::INTEGRATORS
+        S::INTEGRATOR
     }
 }
 

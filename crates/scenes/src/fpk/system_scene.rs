@@ -1,13 +1,13 @@
 //! Systems that a scene can name, and their properties in any dimension.
 
-use fpk_sph::Error;
-use fpk_sph::systems::{
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use vibrating_systems::Error;
+use vibrating_systems::{
     Bistable, BistableParameters, CloughPenzienParameters, CoxIngersollRoss,
     CoxIngersollRossParameters, Filter, Filtered, GeometricBrownianMotion, KanaiTajimiParameters,
     OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters, VanDerPolRayleigh, VanDerPolRayleighParameters,
 };
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::structure_scene::{
     BoucWenScene, DamperScene, DuffingScene, StructureScene, TwoStoreyScene, WindowScene,

@@ -29,7 +29,7 @@ pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let built_in = files.iter().map(|file| std::fs::read_to_string(file).unwrap());
     let mut texts: Vec<String> = built_in.collect();
     // Methods that no built-in scene uses.
-    let fit = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+    let fit = "\"flow_map_fit\": { \"count\": [41, 41], \"reach\": 6 }";
     let damper = texts.iter().find(|text| text.contains(fit)).unwrap().clone();
     texts.extend(METHODS.map(|method| damper.replacen(fit, method, 1)));
     texts
@@ -39,7 +39,7 @@ const METHODS: [&str; 5] = [
     r#""conservative_grid": { "cells": 64, "reach": 8, "steps_per_period": 40 }"#,
     r#""statistical_linearisation": { "step": 0.05 }"#,
     r#""guided_paths": { "samples": 100, "step": 0.1, "integrator": "strang_oscillator", "seed": 1 }"#,
-    r#""importance_sampling": { "samples": 99, "step": 0.1, "integrator": "euler_maruyama", "seed": 1 }"#,
+    r#""canor_denoel_2013": { "count": [9, 9], "half_width": [0.6, 0.4], "courant": 0.8, "support_over_spacing": 2.5 }"#,
     r#""subset_simulation": { "samples": 100, "correlation": 0.8, "runs": 2, "step": 0.1,
         "integrator": "strang_oscillator", "seed": 1 }"#,
 ];

@@ -9,10 +9,8 @@ use serde_json::Value;
 use crate::fpk::{run_in, whole_and_merged};
 
 const DAMPER: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
-const OWN: &str = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+const OWN: &str = "\"flow_map_fit\": { \"count\": [41, 41], \"reach\": 6 }";
 const LINEARISED: &str = "\"statistical_linearisation\": { \"step\": 0.05 }";
-const IMPORTANCE: &str = "\"importance_sampling\": { \"samples\": 2000, \"step\": 0.04, \
-                          \"integrator\": \"strang_oscillator\", \"seed\": 5 }";
 const GUIDED: &str = "\"guided_paths\": { \"samples\": 2000, \"step\": 0.04, \
                       \"integrator\": \"strang_oscillator\", \"seed\": 7 }";
 const SUBSET: &str = "\"subset_simulation\": { \"samples\": 300, \"correlation\": 0.8, \"runs\": 8, \
@@ -118,11 +116,9 @@ fn linearisation_does_not_know_its_error_but_on_a_linear_system() {
 fn one_probability_is_found_with_its_standard_error_and_moments_are_unknown() {
     let (expected, known) = reference("P_abs_q_gt_1.25");
     // Bias: 150 Strang steps take 2 %; a run of subset simulation the square of its coefficient of variation besides, 0.16.
-    for (name, method, most, bias) in [
-        ("guided", GUIDED, 0.03, 0.02),
-        ("importance", IMPORTANCE, 0.1, 0.02),
-        ("subset", SUBSET, 0.6, 0.18),
-    ] {
+    for (name, method, most, bias) in
+        [("guided", GUIDED, 0.03, 0.02), ("subset", SUBSET, 0.6, 0.18)]
+    {
         let result = result(name, &by(method, "[1.25]"));
         let (value, error, kind) = last(&result, "exceedance/1.25").unwrap();
         let error = error.unwrap();
@@ -157,7 +153,7 @@ fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
     let folder = std::env::temp_dir().join(format!("established-part-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let scene = folder.join("scene.json");
-    for method in [LINEARISED, IMPORTANCE] {
+    for method in [LINEARISED, SUBSET] {
         std::fs::write(&scene, by(method, "[1]")).unwrap();
         let options =
             Options { part: Part::Shard("1/2".parse().unwrap()), ..Options::new(&folder) };
@@ -167,7 +163,7 @@ fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
     let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.04, \"seed\": 5, \
                  \"integrator\": \"strang_oscillator\" }";
     run_in(&folder, &by(paths, "[1]"), Start::Anew).unwrap();
-    let error = run_in(&folder, &by(IMPORTANCE, "[1]"), Start::GoOn).unwrap_err().to_string();
+    let error = run_in(&folder, &by(SUBSET, "[1]"), Start::GoOn).unwrap_err().to_string();
     assert!(error.contains("is of another scene"), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
 }

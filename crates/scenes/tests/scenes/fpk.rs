@@ -15,7 +15,7 @@ const SMALL: &str = r#"{
     "gamma": 0.5, "exponent": 1, "noise_intensity": 1, "window": { "single_peak": { "peak": 1, "peak_time": 2 } }
   } },
   "initial": { "gaussian": { "mean": [0, 0, 0], "standard_deviation": [0.05, 0.05, 0.05] } },
-  "method": { "log_density_fit": { "spacing": 0.8, "reach": 4 } },
+  "method": { "flow_map_fit": { "spacing": 0.8, "reach": 4 } },
   "times": { "until": 0.2, "every": 0.1 },
   "moments": [[2, 0, 0], [0, 0, 2]],
   "demand": { "state": "z" },
@@ -141,7 +141,7 @@ fn another_number_of_paths_than_a_checkpoint_has_is_refused_and_leaves_it_as_it_
         let method = format!(
             "\"monte_carlo\": {{ \"paths\": {n}, \"step\": 0.02, \"seed\": 1, \"integrator\": \"strang_bouc_wen\" }}"
         );
-        SMALL.replace("\"log_density_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
+        SMALL.replace("\"flow_map_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
     };
     run_in(&folder, &paths(200), Start::Anew).unwrap();
     let kept = checkpoints(&folder);
@@ -157,7 +157,7 @@ fn times_and_steps_that_would_mislead_are_refused_before_anything_runs() {
         let method = format!(
             "\"monte_carlo\": {{ \"paths\": 200, \"step\": {step}, \"seed\": 1, \"integrator\": \"strang_bouc_wen\" }}"
         );
-        SMALL.replace("\"log_density_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
+        SMALL.replace("\"flow_map_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
     };
     for (text, path, part) in [
         (SMALL.replace("\"until\": 0.2", "\"until\": 0.25"), "times.until", "0.2 or 0.3"),
@@ -179,8 +179,10 @@ fn times_and_steps_that_would_mislead_are_refused_before_anything_runs() {
 /// A building with a viscous damper behind soil, whose states are conditioned out.
 fn behind_soil(until: f64) -> String {
     let text = include_str!("../../../../tests/scenes/fpk/damper_kanai_tajimi.json");
-    let (method, times) =
-        ("\"log_density_fit\": { \"spacing\": 0.7, \"reach\": 4.5 }", "\"until\": 4");
+    let (method, times) = (
+        "\"flow_map_fit\": { \"spacing\": 0.25, \"reach\": 5.5, \"filter\": \"conditioned\" }",
+        "\"until\": 4",
+    );
     let planes = ",\n  \"planes\": { \"states\": [[\"q\", \"v\"]], \"times\": [4] }";
     for part in [method, times, planes] {
         assert!(text.contains(part), "{part}");
@@ -244,14 +246,8 @@ fn questions_about_a_filter_that_is_conditioned_out_are_refused_where_they_stand
     for (from, to, path, part) in [
         ("[2, 0, 0, 0]", "[1, 0, 1, 0]", "moments[0]", "are conditioned out"),
         (
-            "\"flow_map_fit\"",
-            "\"log_density_fit\"",
-            "method.log_density_fit.filter",
-            "flow-map fit alone",
-        ),
-        (
             "\"spacing\": 0.5",
-            "\"spacing\": 0.5, \"scheme\": \"heun\"",
+            "\"spacing\": 0.5, \"scheme\": \"lawson_adams_bashforth_2\"",
             "method.flow_map_fit.scheme",
             "runge_kutta_4",
         ),

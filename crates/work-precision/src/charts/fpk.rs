@@ -9,7 +9,6 @@ use result_figures::{
 };
 use scenes::clock::CpuClock;
 use scenes::fpk::density::{Asked, Demand};
-use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::Sampling;
 use scenes::machine::Machine;
 
@@ -44,10 +43,6 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         Ok(drawings)
     })
 }
-
-/// The methods of this project.
-const OURS: [(FpkMethod, &str); 2] =
-    [(FpkMethod::LogDensityFit, "log-density fit"), (FpkMethod::FlowMapFit, "flow-map fit")];
 
 /// One run of a method: its cost, and the two quantities.
 struct Point {
@@ -178,16 +173,12 @@ fn ladders(
     let mut ladders = Vec::new();
 
     let counts = [21_usize, 27, 35, 45, 61, 81];
-    for (method, words) in OURS {
-        let progress = format!("{name}: {words}");
-        let heading = format!("{words} (particles)");
-        ladders.push(density(context, problem, &progress, &heading, true, |k| {
-            let n = *counts.get(k).filter(|_| k < first(4, 6))?;
-            let lattice = InitialLattice::box_of(n);
-            let label = group_thousands(n * n);
-            Some((label, Config { method, lattice, ..paper }))
-        })?);
-    }
+    let progress = format!("{name}: flow-map fit");
+    ladders.push(density(context, problem, &progress, "flow-map fit (particles)", true, |k| {
+        let n = *counts.get(k).filter(|_| k < first(4, 6))?;
+        let (method, lattice) = (FpkMethod::FlowMapFit, InitialLattice::box_of(n));
+        Some((group_thousands(n * n), Config { method, lattice, ..paper }))
+    })?);
     ladders.extend(papers_ladders(context, problem, name, quick)?);
     ladders.extend(sampled_ladders(context, problem, name, quick)?);
     Ok(ladders)
@@ -245,31 +236,19 @@ fn sampled_ladders(
 ) -> Result<Vec<Ladder>, CaseError> {
     let first = |n: usize, all: usize| if quick { n } else { all };
     let mut ladders = Vec::new();
-    for (integrator, steps, most, name_of) in [
+    for (by, steps, most, name_of) in [
+        (By::Strang, 150_u32, first(3, 5), "Monte Carlo, Strang, 150 steps (paths)"),
+        (By::Euler, 1 << 12, first(2, 4), "Monte Carlo, Euler, 4,096 steps (paths)"),
         (
-            IntegratorScene::StrangOscillator,
-            150_u32,
-            first(3, 5),
-            "Monte Carlo, Strang, 150 steps (paths)",
-        ),
-        (
-            IntegratorScene::EulerMaruyama,
-            1 << 12,
-            first(2, 4),
-            "Monte Carlo, Euler, 4,096 steps (paths)",
-        ),
-        (
-            IntegratorScene::EulerMaruyama,
+            By::Euler,
             1 << 16,
             first(1, 2),
             "Monte Carlo, Euler, 65,536 steps as in the paper (paths)",
         ),
     ] {
         context.progress(&format!("{name}: {name_of}"));
-        ladders.push(Ladder {
-            name: name_of.into(),
-            points: monte_carlo(problem, integrator, steps, most)?,
-        });
+        ladders
+            .push(Ladder { name: name_of.into(), points: monte_carlo(problem, by, steps, most)? });
     }
     Ok(ladders)
 }
@@ -312,10 +291,18 @@ fn density(
     Ok(Ladder { name: name.into(), points })
 }
 
+/// Integrator of the paths.
+#[derive(Clone, Copy)]
+enum By {
+    Strang,
+    /// As in the paper.
+    Euler,
+}
+
 /// Ensembles of 100, 1,000, .. paths.
 fn monte_carlo(
     problem: &Problem,
-    integrator: IntegratorScene,
+    by: By,
     steps: u32,
     most: usize,
 ) -> Result<Vec<Point>, CaseError> {
@@ -329,10 +316,13 @@ fn monte_carlo(
     [100_u64, 1_000, 10_000, 100_000, 1_000_000][..most]
         .iter()
         .map(|&paths| {
-            let sampling =
-                Sampling { paths, step: TIME / f64::from(steps), integrator, seed: paths };
-            let (run, cost, spread) =
-                timed(LONG, || problem.sampled(&sampling, &asked).map_err(CaseError::from))?;
+            let sampling = Sampling { paths, step: TIME / f64::from(steps), seed: paths };
+            let (run, cost, spread) = timed(LONG, || {
+                Ok(match by {
+                    By::Strang => problem.sampled(&sampling, &asked)?,
+                    By::Euler => problem.sampled_by_euler(&sampling, &asked)?,
+                })
+            })?;
             let row = run.at(TIME).ok_or("no row")?;
             let of =
                 |estimate: &sde_integrators::Estimate| (estimate.value, estimate.standard_error());
@@ -419,7 +409,7 @@ pub fn exceedance(
             caption: vec![
                 format!(
                     "{}; values below {SHOWN:e} are left out.",
-                    run.words("Lines: log-density fit, cell estimator")
+                    run.words("Lines: flow-map fit, cell estimator")
                 ),
                 Machine::read().caption(),
             ],

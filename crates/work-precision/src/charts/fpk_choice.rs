@@ -6,15 +6,14 @@ mod surface;
 mod table;
 
 use fpk_sph::InitialLattice;
-use fpk_sph::systems::StrangBoucWen;
 use random_vibration::{Linearisation, Quadrature};
 use result_figures::{Drawing, Reference};
-use scenes::fpk::integrator_scene::IntegratorScene;
 use sde_integrators::{Shark, StrangOscillator};
+use vibrating_systems::StrangBoucWen;
 
 use self::records::{Scene, charts};
 use self::runs::{
-    Ladder, Setting, Target, sample, solve_linearised, solve_on_grid, solve_with_particles, usual,
+    Setting, Target, sample, solve_linearised, solve_on_grid, solve_with_particles, usual,
 };
 use self::surface::SurfaceOf;
 use self::table::page;
@@ -23,14 +22,14 @@ use crate::draw::ChartKind;
 use crate::problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
 use crate::problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use crate::problems::fpk::methods::{
-    BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR, bouc_wen_tail,
+    BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR,
 };
 use crate::problems::fpk::oscillator::Oscillator;
 use crate::problems::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk-choice",
-    title: "particles, grid, linearisation, Monte Carlo, guided paths, importance sampling, subset simulation: error against CPU time",
+    title: "particles, grid, linearisation, Monte Carlo, guided paths, subset simulation: error against CPU time",
     draw,
 };
 
@@ -100,7 +99,6 @@ fn linear(context: &Context<'_>) -> Result<Scene, CaseError> {
         moments: [([2, 0], law.second_moment(0, 0)), ([0, 2], law.second_moment(1, 1))],
         targets: normal_targets(&law),
         integrator: &StrangOscillator,
-        named_integrator: IntegratorScene::StrangOscillator,
         n_steps: 150,
     };
     let mut scene = setting.scene();
@@ -127,7 +125,6 @@ fn damper(context: &Context<'_>) -> Result<Scene, CaseError> {
         moments: [([2, 0], moment([2, 0])?), ([0, 2], moment([0, 2])?)],
         targets: tabled_targets([0.75, 1.25, 1.5], |t| problem.reference.exceedance(t, time))?,
         integrator: &StrangOscillator,
-        named_integrator: IntegratorScene::StrangOscillator,
         n_steps: 150,
     };
     let mut scene = setting.scene();
@@ -165,18 +162,11 @@ fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
         moments: [([2, 0, 0], moment([2, 0, 0])?), ([0, 2, 0], moment([0, 2, 0])?)],
         targets: tabled_targets([1.5, 2.0, 2.5], |t| reference.exceedance(t, time))?,
         integrator: &StrangBoucWen,
-        named_integrator: IntegratorScene::StrangBoucWen,
         n_steps: 180,
     };
     let mut scene = setting.scene();
     // Up to the lattices of the claims.
-    let mut ladders = usual(&[1.8, 1.5, 1.25, 1.0].map(|c| coarsened(BOUC_WEN_LATTICE, c)));
-    let (method, finest) = bouc_wen_tail();
-    ladders.push(Ladder {
-        name: "particles, log-density fit for tails",
-        method,
-        lattices: [2.0, 1.4, 1.2, 1.0].map(|c| coarsened(finest, c)).to_vec(),
-    });
+    let ladders = usual(&[1.8, 1.5, 1.25, 1.0].map(|c| coarsened(BOUC_WEN_LATTICE, c)));
     scene.records.extend(solve_with_particles(context, &setting, &ladders)?);
     scene.records.extend(solve_linearised(&setting, &OF_HYSTERESIS)?);
     scene.records.extend(sample(context, &setting, &OF_HYSTERESIS)?);
@@ -186,9 +176,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
     // With the reach that the smallest probability needs.
     let far = |spacing: f64| InitialLattice::ball_down_to(SMALLEST, spacing);
     let far = [0.8, 0.7, 0.6, 0.5].map(far).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let tail = ladders.split_off(ladders.len() - 1);
     scene.records.extend(surface.with_particles(context, &usual(&far))?);
-    scene.records.extend(surface.with_particles(context, &tail)?);
     scene.records.push(surface.linearised(context, &OF_HYSTERESIS)?);
     scene.records.extend(surface.sampled(context, &OF_HYSTERESIS)?);
     Ok(scene)
@@ -223,7 +211,6 @@ fn shaken(context: &Context<'_>) -> Result<Scene, CaseError> {
         ],
         targets: normal_targets(&exact),
         integrator: &Shark,
-        named_integrator: IntegratorScene::Shark,
         n_steps: 200,
     };
     let mut scene = setting.scene();

@@ -7,17 +7,16 @@
 //!
 //! $$ \Delta t = \frac{0.25 \ell^2}{\max_{i,t} \operatorname{tr}(F_i^{-1} D F_i^{-T})}, $$
 //!
-//! with the deformed cells `F_i` in spacings. The length is `l = R`, the support radius in spacings, for the
-//! log-density fit. For the flow-map fit `l^2 = min(R^2, 10.4 / k^2)`, where `k` is the steepest gradient that the fit
-//! gives to a wave of the lattice. `l(R)` comes from the estimator on an undeformed lattice, the trace from a run with
+//! with the deformed cells `F_i` in spacings and `l^2 = min(R^2, 10.4 / k^2)`, where `R` is the support radius in spacings
+//! and `k` the steepest gradient that the fit gives to a wave of the lattice. `l(R)` comes from the estimator on an undeformed lattice, the trace from a run with
 //! 81 x 81 particles and steps of at most 0.01. It is 4 times the trace of 41 x 41, since `F` is in spacings.
 
 use fpk_sph::score::LatticePlaces;
-use fpk_sph::systems::{ViscousDamper, ViscousDamperParameters};
 use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 use particle_store::Lattice;
 use result_figures::{Drawing, Scale};
+use vibrating_systems::{ViscousDamper, ViscousDamperParameters};
 
 use super::axes::{linear, logarithmic, words};
 use super::{Panel, Work};
@@ -47,20 +46,14 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let n = if context.profile == Profile::Quick { 4 } else { 9 };
     let damper = Damper::new()?;
     let mut drawings = Vec::new();
-    for (id, name, method) in METHODS {
-        drawings.push(damper.reach_and_step(n, id, name, method)?);
-        drawings.push(damper.lattice(n, id, name, method)?);
-        drawings.push(damper.time(n, id, name, method)?);
-    }
+    let (id, name, method) = ("flow-map-fit", "flow-map fit", Method::FlowMapFit);
+    drawings.push(damper.reach_and_step(n, id, name, method)?);
+    drawings.push(damper.lattice(n, id, name, method)?);
+    drawings.push(damper.time(n, id, name, method)?);
     drawings.push(damper.forward_euler(n)?);
     drawings.push(damper.exponent(n)?);
     Ok(drawings)
 }
-
-const METHODS: [(&str, &str, Method); 2] = [
-    ("log-density-fit", "log-density fit", Method::LogDensityFit),
-    ("flow-map-fit", "flow-map fit", Method::FlowMapFit),
-];
 
 pub(super) fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
     Ok(panel.sweep()?)
@@ -68,8 +61,8 @@ pub(super) fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
 
 /// Caption of the line in the map of support radius and step.
 const REACH_AND_STEP: &str = "Boundary: the diffusion limit 0.25 l² / max tr(F⁻¹ D F⁻ᵀ), cells F in spacings; \
-     the trace from a run with 81 x 81 particles; l = R, the reach, for the log-density fit, and \
-     l² = min(R², 10.4 / k²) for the flow-map fit, k the steepest gradient that it gives to a wave. \
+     the trace from a run with 81 x 81 particles; l² = min(R², 10.4 / k²) with the reach R and k the steepest gradient that \
+     the fit gives to a wave. \
      No line where the reach holds too few neighbours: such a run does not start.";
 
 /// Diffusion limit for [`COARSE`] particles per side from that for [`FINE`]: it scales with the squared spacing.

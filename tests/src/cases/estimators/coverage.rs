@@ -1,12 +1,12 @@
 //! How often nominal intervals of 95 % hold, for each estimator.
 
-use fpk_sph::systems::GeometricBrownianMotion;
 use result_figures::{ErrorKind, Measured};
 use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
 use uq_estimators::{
     Bias, ControlledSamples, Estimate, Multilevel, PathLadder, PolynomialControl, Sampling,
     Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
 };
+use vibrating_systems::GeometricBrownianMotion;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::estimators::multilevel::GROWTH;

@@ -1,6 +1,5 @@
 //! Multilevel Monte Carlo: cost against tolerance, ladders that do not pay, same bits.
 
-use fpk_sph::systems::GeometricBrownianMotion;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Noise, Observable, Purpose, StateSpace, StrangOscillator,
@@ -10,6 +9,7 @@ use uq_estimators::{
     Bias, Failure, Ladder, Levels, Multilevel, MultilevelResult, PathLadder, Progress, Statistic,
     Target, Tolerance,
 };
+use vibrating_systems::GeometricBrownianMotion;
 use work_precision::order;
 use work_precision::problems::sde::damper::viscous_damper_at_rest;
 

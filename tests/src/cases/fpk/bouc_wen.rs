@@ -1,7 +1,6 @@
 //! The hysteretic oscillator of the paper's section 4.2: three states, a flow that folds the cloud.
 
 use fpk_sph::observables::Probability;
-use fpk_sph::systems::BoucWen;
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping, Simulation,
 };
@@ -10,7 +9,8 @@ use scenes::clock::CpuClock;
 use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::GaussianMixture;
-use work_precision::problems::fpk::methods::{BOUC_WEN_LATTICE, bouc_wen_tail};
+use vibrating_systems::BoucWen;
+use work_precision::problems::fpk::methods::BOUC_WEN_LATTICE;
 use work_precision::problems::fpk::reference::ReferenceTable;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
@@ -39,15 +39,6 @@ pub(crate) const CASE: Case = Case {
     cost: Profile::Default,
     schedule: Schedule::Together,
     run: fine,
-};
-
-pub(crate) const TAIL: Case = Case {
-    id: "fpk-sph/bouc-wen-tail",
-    title: "Building that yields in an earthquake, its tail, log-density fit, ball of 6 sigma",
-    source: SOURCE,
-    cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: tail,
 };
 
 pub(crate) const REMAPPED: Case = Case {
@@ -365,25 +356,6 @@ fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         (threshold > 1.25 && threshold < 1.75 && t > 1.5 && t < 3.8).then_some(within)
     }));
     claims.extend(far.supported(&lines));
-    Ok(claims)
-}
-
-fn tail(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let (method, lattice) = bouc_wen_tail();
-    let run = run(method, lattice, &[3.6], DEFAULT_MOST_STEPS)?;
-    let words = "log-density fit, kernel sums, 6 sigma, spacing 0.35";
-    let lines = run.lines(context, "log-density-fit", words);
-    let reason = "truncation of the quadratic fit, of order 2 in the spacing";
-    let within = Criterion::Within { tolerance: 0.1, reason };
-    let mut claims = vec![run.worst_tail(&lines, ("worst", 2.0, 3.6), within)?];
-    let reason = "the same truncation, and few particles beyond T = 2";
-    let within = Criterion::Within { tolerance: 0.2, reason };
-    let counted = run.tail(&lines, false, |_, _| Some(within));
-    let name = "log-density-fit/exceedance-indicator/worst";
-    claims.push(worst(context, (name, "T = 0.5, 1, 1.5, 2"), counted)?);
-    let reason = "truncation of the quadratic fit: for moments the flow-map fit is three times as accurate and cheaper";
-    claims.extend(run.moments(&lines, [0.025; 3], reason)?);
-    claims.push(run.bounded(&lines));
     Ok(claims)
 }
 

@@ -1,7 +1,6 @@
 //! Structures behind a Kanai-Tajimi soil whose states are conditioned out: two and three states in place of four and five.
 
 use fpk_sph::observables::Exceedance;
-use fpk_sph::systems::{Filter, Filtered, KanaiTajimiParameters, Window};
 use fpk_sph::{
     Combination, ConditionedSimulation, Config, DEFAULT_MOST_STEPS, InitialLattice, Method,
     Remapping, Simulation,
@@ -11,6 +10,7 @@ use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::{Additive, GaussianMixture, Sde};
 use serde::Deserialize;
+use vibrating_systems::{Filter, Filtered, KanaiTajimiParameters, Window};
 
 use super::{scene, worst};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -3,7 +3,6 @@
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
-use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
 use scenes::fpk::paths::Paths;
 use scenes::fpk::scene::FpkScene;
@@ -190,7 +189,7 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 fn sampling(paths: u64) -> Sampling {
-    Sampling { paths, step: 0.01, integrator: IntegratorScene::Shark, seed: 7 }
+    Sampling { paths, step: 0.01, seed: 7 }
 }
 
 fn bouc_wen(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {

@@ -1,17 +1,14 @@
 //! First passage: the absorbing boundary, the integral of the rate of crossing, and the bound that it gives.
 
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound, Probability};
-use fpk_sph::score::{Degree, VolumeEstimate};
-use fpk_sph::systems::{LinearOscillator, LinearOscillatorParameters, Window};
-use fpk_sph::{
-    Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice, Method, Simulation,
-};
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use result_figures::{ErrorKind, Reference};
 use scenes::clock::CpuClock;
 use sde_integrators::{
     Between, EnsembleConfig, GaussianMixture, Observable, Response, Sde, Side, StrangOscillator,
     maxima, simulate,
 };
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 use work_precision::problems::fpk::linear_moments::linear_moments;
 use work_precision::problems::fpk::oscillator::Oscillator;
 use work_precision::problems::fpk::problem::{Problem, bouc_wen};
@@ -175,7 +172,7 @@ fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> 
     Ok(Config { method: Method::FlowMapFit, ..config })
 }
 
-fn damper_system(problem: &Problem) -> Result<fpk_sph::systems::ViscousDamper, CaseError> {
+fn damper_system(problem: &Problem) -> Result<vibrating_systems::ViscousDamper, CaseError> {
     match &problem.system {
         Oscillator::Damper(system) => Ok(system.clone()),
         Oscillator::Linear(_) => Err("the scene holds another system".into()),
@@ -267,7 +264,6 @@ fn crossings(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let (system, law, reference) = bouc_wen()?;
-    let thresholds = [1.0, 1.5];
     let reference_period = system.period();
     let config = |method, spacing| Config {
         method,
@@ -275,26 +271,6 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         reference_period,
         most_steps: DEFAULT_MOST_STEPS,
     };
-    let kernel_sum = Method::Custom(Combination {
-        estimator: Estimator::LogDensityFit {
-            volume: VolumeEstimate::KernelSum,
-            degree: Degree::Quadratic,
-        },
-        ..Method::LogDensityFit.combination()
-    });
-    let watched = watch(system.clone(), &law, &config(kernel_sum, 0.4), &thresholds, None)?;
-    let words = "log-density fit, kernel-sum volumes, ball of 5 sigma, spacing 0.4";
-    let method = format!("{words}, {}", watched.words);
-    let lines = Lines { context, id: "log-density-fit", method };
-    let reason =
-        "the tail of the fit, of second order in the spacing: 7 and 31 % high at spacing 0.5";
-    let criterion = |threshold| {
-        let tolerance = if threshold < 1.25 { 0.04 } else { 0.15 };
-        Criterion::Within { tolerance, reason }
-    };
-    let both = (&watched, thresholds.as_slice());
-    let mut claims = absorbed(&lines, both, &reference, criterion)?;
-
     context.progress("flow-map fit");
     let near = Some(0.2);
     let watched = watch(system.clone(), &law, &config(Method::FlowMapFit, 0.6), &[1.0], near)?;
@@ -303,7 +279,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let reason =
         "truncation of the cubic fit at the fold; it changes sign: 0.4 % low at spacing 0.4";
     let within = |_| Criterion::Within { tolerance: 0.005, reason };
-    claims.extend(absorbed(&lines, (&watched, &[1.0]), &reference, within)?);
+    let mut claims = absorbed(&lines, (&watched, &[1.0]), &reference, within)?;
     // At T = 1.5 neither density has a bound worth a claim: too little tail here, and fits across the sheet that the limit
     // of z makes of the cloud give the other rates of crossing hundreds of times too high.
     claims.extend(bounded(&lines, (&watched, &[1.0]), &reference, &[0.26])?);
@@ -332,7 +308,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// The linear oscillator of section 4.1, its noise by a factor.
-fn shaken(intensity: f64) -> Result<LinearOscillator, Error> {
+fn shaken(intensity: f64) -> Result<LinearOscillator, vibrating_systems::Error> {
     LinearOscillator::new(LinearOscillatorParameters {
         natural_frequency: std::f64::consts::PI,
         damping_ratio: 0.05,

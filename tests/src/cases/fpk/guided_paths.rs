@@ -1,13 +1,12 @@
 //! Guided paths: unbiased at 1e-3 to 1e-9, intervals that hold, first passage, refusals, threads.
 
-use fpk_sph::systems::ViscousDamper;
 use random_vibration::{
     Estimate, GuidedConfig, GuidedEstimate, GuidedPaths, TailError, Tails, upper_tail,
 };
 use result_figures::{ErrorKind, Measured, Reference};
-use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::paths::{Paths, PathsError};
 use sde_integrators::{Between, GaussianMixture, Response, Side};
+use vibrating_systems::ViscousDamper;
 use work_precision::problems::fpk::linear_moments::linear_moments;
 use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 use work_precision::problems::fpk::oscillator::Oscillator;
@@ -43,7 +42,7 @@ fn of_oscillator<'a, S: Paths<2, 1>>(
     law: &GaussianMixture<2>,
     span: (f64, usize),
 ) -> Result<GuidedPaths<'a>, PathsError> {
-    system.guided(IntegratorScene::StrangOscillator, law, span, &OF_OSCILLATOR)
+    system.guided(law, span, &OF_OSCILLATOR)
 }
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
@@ -184,7 +183,7 @@ fn passage(
 fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let (system, law, reference) = bouc_wen()?;
     let t = 3.6;
-    let paths = system.guided(IntegratorScene::StrangBoucWen, &law, (t, 180), &OF_HYSTERESIS)?;
+    let paths = system.guided(&law, (t, 180), &OF_HYSTERESIS)?;
     let mut claims = Vec::new();
     for threshold in [1.5, 2.0, 2.5] {
         let found = paths.exceedance(threshold, Tails::Both, &CONFIG)?;

@@ -1,7 +1,6 @@
 //! Same bits whatever the number of threads, and after a restart.
 
 use fpk_sph::{Config, Simulation};
-use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::Sampling;
 use sde_integrators::Sde;
 use work_precision::problems::fpk::oscillator::Oscillator;
@@ -72,12 +71,7 @@ fn density<S: Sde<2, 1> + Clone + Send + Sync>(
 }
 
 fn sampled(context: &Context<'_>, problem: &Problem, scene: &str) -> Result<Vec<Claim>, CaseError> {
-    let sampling = Sampling {
-        paths: 20_000,
-        step: 0.02,
-        integrator: IntegratorScene::StrangOscillator,
-        seed: 3,
-    };
+    let sampling = Sampling { paths: 20_000, step: 0.02, seed: 3 };
     let asked = super::asked(&TIMES, problem, false);
     let whole = || -> Result<Vec<u64>, CaseError> {
         let rows = problem.sampled(&sampling, &asked)?.rows;

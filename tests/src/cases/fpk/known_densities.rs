@@ -1,14 +1,12 @@
-//! Densities that are known: a double well, processes with multiplicative noise, and a rotated pair of them.
+//! Densities that are known: a double well, and processes with multiplicative noise.
 
-use fpk_sph::systems::{
-    Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
-    GeometricBrownianMotion, RotatedPair,
-};
-use fpk_sph::{
-    Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation, StepRule,
-};
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{GaussianMixture, Sde};
+use vibrating_systems::{
+    Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
+    GeometricBrownianMotion,
+};
 use work_precision::order;
 use work_precision::problems::fpk::reference::BistableReference;
 
@@ -20,7 +18,7 @@ use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/known-densities",
-    title: "Double well, Cox-Ingersoll-Ross, geometric Brownian motion, a rotated pair: L1 error of the density",
+    title: "Double well, Cox-Ingersoll-Ross, geometric Brownian motion: L1 error of the density",
     source: "finite volumes with extrapolation; Cox, Ingersoll and Ross 1985, eq 18; lognormal law",
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -47,7 +45,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let asks = Asks { name, range, tolerances: &[2e-6; 3], ..asks };
     claims.extend(density_on_a_line(context, gbm, &asks, |t, x| gbm_density(&gbm, t, x))?);
     claims.extend(bistable(context)?);
-    claims.extend(rotated_pair(context, cir, gbm)?);
     Ok(claims)
 }
 
@@ -219,63 +216,4 @@ fn bistable(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let error = errors.at.first().copied().unwrap_or(f64::NAN);
     claims.push(lines.bounded(("density-l1/t2", "L1 error of psi", ""), error, 0.2, reason));
     Ok(claims)
-}
-
-fn rotated_pair(
-    context: &Context<'_>,
-    cir: CoxIngersollRoss,
-    gbm: GeometricBrownianMotion,
-) -> Result<Vec<Claim>, CaseError> {
-    context.progress("rotated pair");
-    let pair = RotatedPair::new(cir, gbm, 0.5)?;
-    let law = GaussianMixture::independent(pair.rotate(&[START, START]), [START_DEVIATION; 2])?;
-    // 37 neighbours instead of 21: diffusion that grows with the state pulls the rim apart.
-    let combination = Combination {
-        support_over_spacing: 3.5,
-        step: StepRule::DiffusionLimited { longest: 0.025 },
-        ..Method::LogDensityFit.combination()
-    };
-    let config = Config {
-        method: Method::Custom(combination),
-        lattice: InitialLattice::Ball { reach: 4.5, spacing: 0.18 },
-        reference_period: 1.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
-    let mut simulation = Simulation::new(pair, &law, &config)?;
-    let mut family = Vec::new();
-    for t in [0.25, 0.5, 1.0] {
-        simulation.advance_to(t)?;
-        let field = simulation.density_field()?;
-        let (side, width) = (80, [2.4 / 80.0, 3.6 / 80.0]);
-        let places = |axis: usize| -> Vec<f64> {
-            (0..side).map(|i| 0.2 + (f64::from(i) + 0.5) * width[axis]).collect()
-        };
-        let first: Vec<(f64, f64)> =
-            places(0).into_iter().map(|a| (a, cir_density(&cir, t, a))).collect();
-        let second: Vec<(f64, f64)> =
-            places(1).into_iter().map(|b| (b, gbm_density(&gbm, t, b))).collect();
-        let mut error = 0.0;
-        for &(a, psi_a) in &first {
-            for &(b, psi_b) in &second {
-                error += (field.density_at(&pair.rotate(&[a, b])) - psi_a * psi_b).abs();
-            }
-        }
-        error *= width[0] * width[1];
-        let method = format!(
-            "log-density fit, support 3.5: {} particles, {} steps",
-            simulation.n_particles(),
-            simulation.work().steps
-        );
-        let lines = Lines { context, id: "rotated-pair", method };
-        let reason = "truncation of the quadratic fit over 3.5 spacings of 0.18 sigma";
-        let name = format!("density-l1/t{t}");
-        family.push(lines.judge(
-            (&name, "L1 error of psi", ""),
-            ErrorKind::Absolute,
-            error,
-            Reference::exact(0.0),
-            Criterion::Within { tolerance: 1e-2, reason },
-        ));
-    }
-    Ok(vec![worst(context, ("rotated-pair/density-l1/worst", "t = 0.25, 0.5, 1"), family)?])
 }

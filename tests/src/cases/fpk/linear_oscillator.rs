@@ -1,7 +1,6 @@
-//! The linear oscillator, whose answer is exact, by the better method.
+//! The linear oscillator, whose answer is exact.
 
-use fpk_sph::score::{Degree, VolumeEstimate};
-use fpk_sph::{Config, Estimator, Method, Simulation};
+use fpk_sph::{Config, Simulation};
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{DensityRun, Row, estimate, run_on};
 use work_precision::problems::fpk::oscillator::Oscillator;
@@ -13,21 +12,12 @@ use crate::claim::Criterion;
 use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
-    id: "fpk-sph/linear-oscillator",
-    title: "Linear oscillator in an earthquake: exact answer",
+    id: "fpk-sph/linear-oscillator-flow-map",
+    title: "Linear oscillator in an earthquake, flow-map fit: exact answer",
     source: "Canor & Denoël 2013, eq 26 with eta = 0, window of eq 27; Lyapunov equation",
     cost: Profile::Quick,
     schedule: Schedule::Together,
     run,
-};
-
-pub(crate) const FLOW_MAP_FIT: Case = Case {
-    id: "fpk-sph/linear-oscillator-flow-map",
-    title: "Linear oscillator in an earthquake, flow-map fit: exact answer",
-    source: CASE.source,
-    cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: flow_map_fit,
 };
 
 const TIMES: [f64; 10] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
@@ -48,28 +38,13 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::linear_oscillator()?;
     let config = problem.density_config(1.0)?;
     let (run, exactness) = density_run(context, &problem, &config)?;
-    let method = run.words("log-density fit, box of 7 sigma");
-    let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
+    let method = run.words("flow-map fit, box of 7 sigma");
+    let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
     let mut claims = moments(&judge)?;
     claims.extend(densities(&judge, &exactness)?);
     claims.extend(exceedances(&judge)?);
-    claims.extend(rim(context, &problem, &config)?);
     claims.push(interpolated_at_start(context, &problem, &config)?);
     Ok(claims)
-}
-
-fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let problem = Problem::linear_oscillator()?;
-    let config = problem.density_config(1.0)?;
-    let config = Config { method: Method::FlowMapFit, ..config };
-    let (run, exactness) = density_run(context, &problem, &config)?;
-    let method = run.words("flow-map fit, box of 7 sigma");
-    let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
-    // A Gaussian has no error of space by either fit: one moment and the density say so.
-    Ok(vec![
-        judge.worst_moment([0, 2], &TIMES, Criterion::Within { tolerance: 3e-5, reason: STEP })?,
-        density_error(&judge, &exactness)?,
-    ])
 }
 
 const STEP: &str = "error of Runge-Kutta 4 at 40 steps a period; a Gaussian has no error of space";
@@ -255,51 +230,6 @@ fn exceedances(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// How far off the density of the outermost layer is at the start, where it is known.
-fn rim(
-    context: &Context<'_>,
-    problem: &Problem,
-    config: &Config<2>,
-) -> Result<Vec<Claim>, CaseError> {
-    let Oscillator::Linear(system) = problem.system.clone() else {
-        return Err("the scene holds another system".into());
-    };
-    let mut claims = Vec::new();
-    for (volume, name) in [
-        (VolumeEstimate::KernelSum, "kernel-sum"),
-        (VolumeEstimate::DeformedLattice, "deformed-lattice"),
-    ] {
-        let mut combination = config.method.combination();
-        combination.estimator = Estimator::LogDensityFit { volume, degree: Degree::Quadratic };
-        let config = Config { method: Method::Custom(combination), ..*config };
-        let simulation = Simulation::new(system.clone(), &problem.law, &config)?;
-        let density = simulation.density()?;
-        let worst = density
-            .iter()
-            .zip(simulation.positions())
-            .map(|(psi, x)| (psi / problem.law.density(x)).log10().abs())
-            .fold(0.0, f64::max);
-        let subject = context.subject(
-            &format!("volumes-{name}/worst-density/t0"),
-            "worst |log10 error| of psi",
-            "",
-            &format!("volumes by {name}, outer layers included"),
-        );
-        claims.push(match volume {
-            VolumeEstimate::KernelSum => {
-                let reason = "neighbours on one side only: V is 2.2 times too large at a corner";
-                Claim::as_measured(subject, Measured::exact(worst), 0.3, 0.4, reason)
-            }
-            VolumeEstimate::DeformedLattice => {
-                let reason = "roundoff: one-sided differences are exact for an affine flow; the logarithm of a density of 1e-21 \
-                              has 50 times the rounding of its exponent, and a determinant of differences 1e3 times that of a place";
-                Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-12, reason)
-            }
-        });
-    }
-    Ok(claims)
-}
-
 /// The tail between counted particles at the start, where the density is Gaussian and no step has moved the lattice.
 fn interpolated_at_start(
     context: &Context<'_>,
@@ -320,10 +250,10 @@ fn interpolated_at_start(
     }
     let worst = errors.iter().fold(0.0, |most: f64, &e| if e.is_nan() { e } else { most.max(e) });
     let subject = context.subject(
-        "log-density-fit/exceedance-log-interpolated/t0",
+        "flow-map-fit/exceedance-log-interpolated/t0",
         "worst relative error of P(|q| > k sigma), k = 1, 2, 3",
         "",
-        "log-density fit, the lattice of the initial distribution",
+        "flow-map fit, the lattice of the initial distribution",
     );
     let reason = "second order in the spacing h: (k^2 + 1) h^2/12 at k deviations by the trapezoidal rule over columns, 0.075 at three with h = 0.3 sigma";
     Ok(Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 0.09, reason))

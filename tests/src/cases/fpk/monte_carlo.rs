@@ -1,7 +1,6 @@
 //! The rival: Monte Carlo on the same declarations.
 
 use result_figures::{ErrorKind, Measured};
-use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{SampledRun, Sampling};
 use work_precision::charts;
 use work_precision::problems::fpk::problem::Problem;
@@ -31,19 +30,9 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         (Problem::linear_oscillator()?, "linear-oscillator", (0.04, 0.12)),
     ] {
         context.progress(scene);
-        let strang = Sampling {
-            paths: strang_paths,
-            step: 0.02,
-            integrator: IntegratorScene::StrangOscillator,
-            seed: 1,
-        };
+        let strang = Sampling { paths: strang_paths, step: 0.02, seed: 1 };
         claims.extend(strang_claims(context, &problem, scene, &strang)?);
-        let euler = Sampling {
-            paths: euler_paths,
-            step: 0.0025,
-            integrator: IntegratorScene::EulerMaruyama,
-            seed: 2,
-        };
+        let euler = Sampling { paths: euler_paths, step: 0.0025, seed: 2 };
         claims.push(euler_claim(context, (&problem, scene), &euler, euler_growth)?);
     }
     if !is_quick {
@@ -68,13 +57,9 @@ fn show_cost(context: &Context<'_>) -> Result<(), CaseError> {
     Ok(())
 }
 
-fn words(sampling: &Sampling, run: &SampledRun) -> String {
-    let Sampling { paths, step, integrator, .. } = sampling;
-    format!(
-        "Monte Carlo, {}, {paths} paths, step {step} s, {:.2} s CPU",
-        integrator.name(),
-        run.cpu_seconds
-    )
+fn words(integrator: &str, sampling: &Sampling, run: &SampledRun) -> String {
+    let Sampling { paths, step, .. } = sampling;
+    format!("Monte Carlo, {integrator}, {paths} paths, step {step} s, {:.2} s CPU", run.cpu_seconds)
 }
 
 fn strang_claims(
@@ -85,7 +70,7 @@ fn strang_claims(
 ) -> Result<Vec<Claim>, CaseError> {
     let asked = asked(&TIMES, problem, false);
     let run = problem.sampled(sampling, &asked)?;
-    let method = words(sampling, &run);
+    let method = words("Strang", sampling, &run);
     let mut claims = Vec::new();
     for row in &run.rows {
         let t = row.t;
@@ -127,13 +112,13 @@ fn euler_claim(
     sampling: &Sampling,
     (from, to): (f64, f64),
 ) -> Result<Claim, CaseError> {
-    let run = problem.sampled(sampling, &asked(&[6.0], problem, false))?;
+    let run = problem.sampled_by_euler(sampling, &asked(&[6.0], problem, false))?;
     let row = run.at(6.0).ok_or("no row at t = 6")?;
     let subject = context.subject(
         &format!("{scene}/forward-euler/second-moment-q/t6"),
         "E[q^2]",
         "m^2",
-        &words(sampling, &run),
+        &words("forward Euler", sampling, &run),
     );
     let reference = problem.reference.moment([2, 0], 6.0).ok_or("no reference")?;
     let measured =

@@ -1,13 +1,13 @@
 //! First-passage problems of the literature by guided paths.
 
-use fpk_sph::systems::{
-    CloughPenzienParameters, Ground, Hysteresis, KanaiTajimiParameters, ShearBuilding,
-    ShearBuildingParameters, Storey, Window,
-};
 use random_vibration::{GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion};
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Between, Estimate, Response, Side};
 use serde::Deserialize;
+use vibrating_systems::{
+    CloughPenzienParameters, Ground, Hysteresis, KanaiTajimiParameters, ShearBuilding,
+    ShearBuildingParameters, Storey, Window,
+};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

@@ -1,9 +1,9 @@
 //! Problems of structural reliability in few normals, by subset simulation.
 
-use fpk_sph::systems::{BoucWen, BoucWenParameters, Window};
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Error, Estimate, Noise, Sde, SubsetConfig, subset_simulation};
 use serde::Deserialize;
+use vibrating_systems::{BoucWen, BoucWenParameters, Window};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

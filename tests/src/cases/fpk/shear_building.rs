@@ -1,6 +1,5 @@
 //! A shear building of ten storeys: exact where it is linear, crude Monte Carlo where it yields, rare passages by guided paths.
 
-use fpk_sph::systems::{Hysteresis, ShearBuilding, ShearBuildingParameters};
 use random_vibration::{
     GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion, Tails, free_passages,
     upper_tail,
@@ -9,6 +8,7 @@ use result_figures::{ErrorKind, Measured, Reference};
 use scenes::SceneFile;
 use scenes::building::scene::PassageScene;
 use sde_integrators::{Between, LaneSde, Response, Side};
+use vibrating_systems::{Hysteresis, ShearBuilding, ShearBuildingParameters};
 
 use super::invariance::over_threads;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -37,56 +37,26 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         Quantity::SecondMoment(state) => behind_soil.second_moment(state, t),
         Quantity::Exceedance(threshold) => behind_soil.exceedance(threshold, t),
     };
+    let flow_map = |spacing: f64, reach: f64| json!({ "spacing": spacing, "reach": reach });
+    let conditioned = json!({ "spacing": 0.6, "reach": 5, "filter": "conditioned" });
+    let runs: [(&str, &str, Value, (f64, f64), Lookup<'_>); 3] = [
+        ("damper", DAMPER, flow_map(0.4, 6.0), (8.0, 1.0), &damper),
+        ("Bouc-Wen", BOUC_WEN, flow_map(0.6, 5.0), (3.6, 0.2), &bouc_wen),
+        (
+            "Bouc-Wen behind soil, conditioned out",
+            BEHIND_SOIL,
+            conditioned,
+            (6.0, 1.0),
+            &behind_soil,
+        ),
+    ];
     let mut found = Found::default();
-    let mut take = |name: &str, text: &str, changes: Value, known: Lookup<'_>| {
+    for (name, text, fit, (until, every), known) in runs {
         context.progress(name);
-        found.take(name, &changed(text, changes)?, known)
-    };
-    take(
-        "damper, log-density fit",
-        DAMPER,
-        json!({
-            "method": { "log_density_fit": { "count": [41, 41], "reach": 6 } },
-            "times": { "until": 8, "every": 1 }
-        }),
-        &damper,
-    )?;
-    take(
-        "damper, flow-map fit",
-        DAMPER,
-        json!({
-            "method": { "flow_map_fit": { "spacing": 0.4, "reach": 6 } },
-            "times": { "until": 8, "every": 1 }
-        }),
-        &damper,
-    )?;
-    take(
-        "Bouc-Wen, log-density fit",
-        BOUC_WEN,
-        json!({
-            "method": { "log_density_fit": { "spacing": 0.6, "reach": 5 } },
-            "times": { "until": 3.6, "every": 0.2 }
-        }),
-        &bouc_wen,
-    )?;
-    take(
-        "Bouc-Wen, flow-map fit",
-        BOUC_WEN,
-        json!({
-            "method": { "flow_map_fit": { "spacing": 0.6, "reach": 5 } },
-            "times": { "until": 3.6, "every": 0.2 }
-        }),
-        &bouc_wen,
-    )?;
-    take(
-        "Bouc-Wen behind soil, conditioned out",
-        BEHIND_SOIL,
-        json!({
-            "method": { "flow_map_fit": { "spacing": 0.6, "reach": 5, "filter": "conditioned" } },
-            "times": { "until": 6, "every": 1 }
-        }),
-        &behind_soil,
-    )?;
+        let times = json!({ "until": until, "every": every });
+        let changes = json!({ "method": { "flow_map_fit": fit }, "times": times });
+        found.take(name, &changed(text, changes)?, known)?;
+    }
     Ok(found.claims(context))
 }
 

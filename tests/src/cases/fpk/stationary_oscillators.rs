@@ -1,6 +1,5 @@
 //! Oscillators with an exact stationary law, from a Gaussian, with remeshing.
 
-use fpk_sph::systems::StationaryOscillator;
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Remapping, Simulation,
     StepRule,
@@ -9,6 +8,7 @@ use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Asked, Demand, run_on};
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
+use vibrating_systems::StationaryOscillator;
 
 use super::invariance::over_threads;
 use super::{row, scene, worst};

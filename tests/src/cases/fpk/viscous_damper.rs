@@ -1,4 +1,4 @@
-//! The building with a viscous damper of the paper's section 4.1, by the better method.
+//! The building with a viscous damper of the paper's section 4.1.
 
 use fpk_sph::{Config, Error, Method, Remapping};
 use result_figures::Measured;
@@ -6,7 +6,7 @@ use work_precision::charts;
 use work_precision::problems::fpk::problem::Problem;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
-use super::{ExceedanceEstimator, Judge, asked, moment_words, worst};
+use super::{ExceedanceEstimator, Judge, asked};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
@@ -15,30 +15,12 @@ const SOURCE: &str =
     "Canor & Denoël 2013, section 4.1; references by grid, Monte Carlo and importance sampling";
 
 pub(crate) const CASE: Case = Case {
-    id: "fpk-sph/viscous-damper",
-    title: "Building with a viscous damper in an earthquake, 1,681 particles",
-    source: SOURCE,
-    cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: scene,
-};
-
-pub(crate) const REFINED: Case = Case {
-    id: "fpk-sph/viscous-damper-refined",
-    title: "Building with a viscous damper in an earthquake, 6,561 particles",
-    source: SOURCE,
-    cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: refined,
-};
-
-pub(crate) const FLOW_MAP_FIT: Case = Case {
     id: "fpk-sph/viscous-damper-flow-map",
     title: "Building with a viscous damper in an earthquake, flow-map fit, 1,681 particles",
     source: SOURCE,
     cost: Profile::Quick,
     schedule: Schedule::Together,
-    run: flow_map_fit,
+    run,
 };
 
 pub(crate) const REMAPPED: Case = Case {
@@ -55,89 +37,12 @@ const SHAKING: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
 /// When it has died away.
 const AFTER: [f64; 3] = [7.0, 8.0, 10.0];
 
-fn scene(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let problem = Problem::viscous_damper()?;
-    let config = problem.density_config(1.0)?;
-    let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
-    let run = problem.density(&config, &asked(&times, &problem, true))?;
-    let method = run.words("log-density fit, box of 6 sigma");
-    let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
-    let reason = "truncation of the quadratic fit at a spacing of 0.3 sigma, of second order";
-    let mut claims = moments(&judge, [0.01, 0.01, 2e-3], reason)?;
-    claims.push(judge.moment([2, 0], 6.0, Criterion::Within { tolerance: 0.01, reason })?);
-    claims.extend(tail(&judge)?);
-    claims.extend(after(&judge)?);
-    let drawing = charts::fpk::exceedance(context, &problem, "fpk-damper")?;
-    let svg = drawing.into_svg().ok_or("a page and no picture")?;
-    context.show_chart("Probability of exceedance over time", svg);
-    Ok(claims)
-}
-
-fn refined(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let problem = Problem::viscous_damper()?;
-    let config = problem.density_config(2.0)?;
-    let run = problem.density(&config, &asked(&SHAKING, &problem, false))?;
-    let method = run.words("log-density fit, box of 6 sigma");
-    let judge = Judge { context, problem: &problem, run: &run, id: "log-density-fit", method };
-    let reason = "a quarter of the truncation at half the spacing";
-    moments(&judge, [3e-3, 3e-3, 6e-4], reason)
-}
-
-/// `E[q^2]`, `E[v^2]` and the correlation while the noise is strong.
-fn moments(judge: &Judge<'_>, tolerances: [f64; 3], reason: &str) -> Result<Vec<Claim>, CaseError> {
-    let [q, v, correlation] = tolerances.map(|tolerance| Criterion::Within { tolerance, reason });
-    Ok(vec![
-        judge.worst_moment([2, 0], &SHAKING, q)?,
-        judge.worst_moment([0, 2], &SHAKING, v)?,
-        judge.worst_correlation(&SHAKING, correlation)?,
-    ])
-}
-
 /// Smallest probability that is claimed.
-const FLOOR: f64 = 1e-9;
-
-fn tail(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {
-    let reason = "0.9 % of the variance changes log10 P by 0.07 at 6 sigma, of which most cancels: the tail is carried, not fitted";
-    let within = Criterion::Within { tolerance: 0.02, reason };
-    let mut claims =
-        vec![judge.worst_exceedance(ExceedanceEstimator::Cell, &SHAKING, FLOOR, within)?];
-    let reason = "counting particles quantises P by whole layers of the lattice, and ends with the last layer";
-    let staircase = Criterion::Within { tolerance: 0.06, reason };
-    for estimator in [ExceedanceEstimator::Indicator, ExceedanceEstimator::LogInterpolated] {
-        claims.push(judge.worst_exceedance(estimator, &[6.0], FLOOR, staircase)?);
-    }
-    Ok(claims)
-}
-
-/// The noise dies, the damper stops the mass where the spring is weak, and the cloud collapses on a slow manifold.
-fn after(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {
-    let reason = "without noise nothing mends the error of t = 6, and the cloud collapses on the slow manifold \
-                  eta |v|^alpha = w^2 |q|, across which the fit cannot resolve it";
-    let over = format!("t = {AFTER:?}");
-    let mut claims = Vec::new();
-    for powers in [[2, 0], [0, 2]] {
-        let criterion = Criterion::Within { tolerance: 0.015, reason };
-        let family = AFTER.iter().map(|&t| judge.moment(powers, t, criterion));
-        let name = format!("{}/{}/worst-after", judge.id, moment_words(powers).0);
-        claims.push(worst(judge.context, (&name, &over), family.collect::<Result<_, _>>()?)?);
-    }
-    let criterion = Criterion::Within { tolerance: 0.03, reason };
-    let family = judge.exceedances_from(&AFTER, FLOOR).into_iter();
-    let family = family.map(|(threshold, t, _)| {
-        judge.exceedance(ExceedanceEstimator::Cell, threshold, t, criterion)
-    });
-    let name = format!("{}/exceedance-cell/worst-after", judge.id);
-    claims.push(worst(judge.context, (&name, &over), family.collect::<Result<_, _>>()?)?);
-    Ok(claims)
-}
-
-/// Smallest probability that is claimed of the flow-map fit.
 const FLOW_MAP_FLOOR: f64 = 1e-7;
 
-fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let config = problem.density_config(1.0)?;
-    let config = Config { method: Method::FlowMapFit, ..config };
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
     let run = problem.density(&config, &asked(&times, &problem, true))?;
     let method = run.words("flow-map fit, box of 6 sigma");
@@ -146,6 +51,9 @@ fn flow_map_fit(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let within = |tolerance| Criterion::Within { tolerance, reason };
     let tail = "truncation of the fit and a limit taken as linear in a part of a cell, also on the slow manifold";
     let tail = Criterion::Within { tolerance: 0.02, reason: tail };
+    let drawing = charts::fpk::exceedance(context, &problem, "fpk-damper")?;
+    let svg = drawing.into_svg().ok_or("a page and no picture")?;
+    context.show_chart("Probability of exceedance over time", svg);
     Ok(vec![
         judge.worst_moment([2, 0], &times, within(1.5e-3))?,
         judge.worst_moment([0, 2], &times, within(1.5e-3))?,

@@ -1,8 +1,8 @@
 //! The bias of `E[q^2]` of the oscillator with a viscous damper against the step length, by coupled differences.
 
-use fpk_sph::systems::ViscousDamper;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{EulerMaruyama, Increment, SemiImplicitEuler, Shark, StrangOscillator};
+use vibrating_systems::ViscousDamper;
 use work_precision::problems::sde::damper::viscous_damper_at_rest;
 use work_precision::problems::sde::methods::{Method, follow, method};
 use work_precision::problems::sde::orders::{Level, Study, measure};

@@ -1,13 +1,13 @@
 //! Ensembles of the paper's oscillator with viscous damper against an independent code; and proof that the comparison
 //! can fail: with a constant changed, it does.
 
-use fpk_sph::systems::{
-    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
     EnsembleConfig, GaussianMixture, Integrator, Observable, SecondOrder, SemiImplicitEuler,
     StrangOscillator, simulate,
+};
+use vibrating_systems::{
+    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
 use work_precision::problems::sde::reference::OscillatorEnsemble;
 

@@ -268,7 +268,6 @@ fn sources(scene: &Value) -> Vec<Source> {
     let is = |method: &str| scene["method"].get(method).is_some() || scene["method"] == method;
     let of_method: &[Source] = match () {
         () if is("guided_paths") => &[GIRSANOV_1960, MACKE_2003],
-        () if is("importance_sampling") => &[MACKE_2003],
         () if is("subset_simulation") => &[AU_BECK_2001],
         () if is("statistical_linearisation") => &[ROBERTS_1990],
         () if is("conservative_grid") => &[SCHARFETTER_1969],

@@ -155,12 +155,12 @@ fn window(system: &mut SystemScene) -> Option<&mut WindowScene> {
 
 fn lattice(method: &mut MethodScene) -> Option<&mut LatticeScene> {
     match method {
-        MethodScene::LogDensityFit(lattice) | MethodScene::FlowMapFit(lattice) => Some(lattice),
+        MethodScene::FlowMapFit(lattice) => Some(lattice),
         _ => None,
     }
 }
 
-/// Replaces cubic by quadratic polynomials in the flow-map fit; the log-density fit has no lower degree.
+/// Replaces cubic by quadratic polynomials in the flow-map fit.
 fn lower_degree(scene: &mut FpkScene) -> bool {
     let is_cubic = scene.moments.first().is_some_and(|powers| powers.len() < QUADRATIC_FROM);
     match &mut scene.method {

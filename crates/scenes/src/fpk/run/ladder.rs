@@ -15,8 +15,10 @@ use crate::kind::RunError;
 use crate::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
 use crate::scene::{Scene, SceneFile};
 
-/// Steps of a sampled path per period: for splittings and methods of order 1.5, and for forward Euler.
-const STEPS_PER_PERIOD: [f64; 2] = [64.0, 1024.0];
+/// Steps of a sampled path per period, for splittings and methods of order 1.5.
+const STEPS_PER_PERIOD: f64 = 64.0;
+/// The same for forward Euler.
+const STEPS_OF_EULER: f64 = 1024.0;
 /// Smallest number of paths.
 const FIRST_PATHS: f64 = 1000.0;
 /// Half-width in standard deviations of the lattice for a scene without one.
@@ -35,26 +37,17 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     methods.extend(conditioned(&scene, &system));
     let own = own_lattice(&scene.method).filter(|_| !scene.method.conditions_filter());
     let lattice = own.cloned().unwrap_or_else(|| default_lattice(states));
-    for (name, fit) in FITS {
-        methods
-            .push((fit(lattice.clone()), by_lattice(&scene, name, lattice.clone(), fit, states)));
-    }
+    let by_flow_map = by_lattice(&scene, "flow-map fit", lattice.clone(), states);
+    methods.push((MethodScene::FlowMapFit(lattice), by_flow_map));
     if let Some(method) = papers(&scene, states) {
         methods.push(method);
     }
     let period = system.reference_period();
-    for &integrator in system.integrators() {
-        let (own, mut method) = sampled(&scene, integrator, period);
-        if system.integrators().len() == 1 {
-            method.standing = Standing::Judge;
-        }
-        methods.push((own, method));
-    }
+    methods.push(sampled(&scene, system.integrator(), period));
     methods.extend(established(&scene, &system));
     // Its own method first, the others in their order.
     let is_own = |method: &MethodScene| {
         std::mem::discriminant(method) == std::mem::discriminant(&scene.method)
-            && integrator(method) == integrator(&scene.method)
             && method.conditions_filter() == scene.method.conditions_filter()
     };
     methods.sort_by_key(|(method, _)| !is_own(method));
@@ -62,7 +55,7 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
-const LEFT_OUT: &str = "Sampled paths are the reference for other methods if their integrator is a splitting or of order 1.5, not forward Euler; standard errors do not include the bias of the time step.";
+const LEFT_OUT: &str = "Sampled paths are the reference for other methods; standard errors do not include the bias of the time step.";
 
 /// The scene observed only at its last time, without pictures.
 fn bare(scene: &FpkScene) -> FpkScene {
@@ -71,25 +64,8 @@ fn bare(scene: &FpkScene) -> FpkScene {
     FpkScene { times, planes: None, cloud: None, ..scene.clone() }
 }
 
-type Fit = fn(LatticeScene) -> MethodScene;
-
-const FITS: [(&str, Fit); 2] =
-    [("log-density fit", MethodScene::LogDensityFit), ("flow-map fit", MethodScene::FlowMapFit)];
-
 fn own_lattice(method: &MethodScene) -> Option<&LatticeScene> {
-    match method {
-        MethodScene::LogDensityFit(lattice) | MethodScene::FlowMapFit(lattice) => Some(lattice),
-        _ => None,
-    }
-}
-
-fn integrator(method: &MethodScene) -> Option<IntegratorScene> {
-    match method {
-        MethodScene::MonteCarlo { integrator, .. }
-        | MethodScene::ImportanceSampling { integrator, .. }
-        | MethodScene::SubsetSimulation { integrator, .. } => Some(*integrator),
-        _ => None,
-    }
+    if let MethodScene::FlowMapFit(lattice) = method { Some(lattice) } else { None }
 }
 
 /// The flow-map fit with the states of a filter conditioned out, where the scene asks for the structure alone.
@@ -109,7 +85,7 @@ fn conditioned(scene: &Arc<FpkScene>, system: &System) -> Option<(MethodScene, M
     let asked = FpkScene { method: method.clone(), ..FpkScene::clone(scene) };
     asked.check().ok()?;
     let name = "flow-map fit, filter conditioned out";
-    Some((method, by_lattice(scene, name, lattice, MethodScene::FlowMapFit, states)))
+    Some((method, by_lattice(scene, name, lattice, states)))
 }
 
 /// A box in two dimensions, where corners are cheap; a ball in higher dimensions.
@@ -145,17 +121,11 @@ fn first_intervals(states: usize) -> f64 {
     }
 }
 
-fn by_lattice(
-    scene: &Arc<FpkScene>,
-    name: &str,
-    lattice: LatticeScene,
-    fit: Fit,
-    states: usize,
-) -> Method {
+fn by_lattice(scene: &Arc<FpkScene>, name: &str, lattice: LatticeScene, states: usize) -> Method {
     let scene = scene.clone();
     let rung = move |intervals: f64| {
         let (lattice, size, label) = with_intervals((&lattice, states), intervals);
-        of_method(&scene, size, label, fit(lattice))
+        of_method(&scene, size, label, MethodScene::FlowMapFit(lattice))
     };
     Method {
         name: name.to_owned(),
@@ -225,7 +195,6 @@ fn papers(scene: &Arc<FpkScene>, states: usize) -> Option<(MethodScene, Method)>
         half_width: half_width.clone(),
         courant: number,
         support_over_spacing: paper.support_over_spacing,
-        scheme: None,
     };
     let (own, scene) = (of(2), scene.clone());
     let rung = move |intervals: f64| {
@@ -242,30 +211,20 @@ fn papers(scene: &Arc<FpkScene>, states: usize) -> Option<(MethodScene, Method)>
     Some((own, method))
 }
 
-/// Monte Carlo; the step is the scene's if it uses the same integrator.
+/// Monte Carlo; the step is the scene's if that is its method.
 fn sampled(
     scene: &Arc<FpkScene>,
     integrator: IntegratorScene,
     period: f64,
 ) -> (MethodScene, Method) {
-    // Steps of first order leave a bias larger than the scatter of many paths.
-    let standing = match integrator {
-        IntegratorScene::EulerMaruyama | IntegratorScene::SemiImplicitEuler => Standing::Judged,
-        IntegratorScene::StrangOscillator
-        | IntegratorScene::StrangBoucWen
-        | IntegratorScene::Shark => Standing::Judge,
-    };
     let (step, seed) = match &scene.method {
-        MethodScene::MonteCarlo { step, seed, integrator: theirs, .. } if *theirs == integrator => {
-            (*step, *seed)
+        MethodScene::MonteCarlo { step, seed, .. } => (*step, *seed),
+        _ if integrator == IntegratorScene::EulerMaruyama => {
+            (two_digits(period / STEPS_OF_EULER), SEED)
         }
-        _ => {
-            let [fine, euler] = STEPS_PER_PERIOD;
-            let per_period = if standing == Standing::Judge { fine } else { euler };
-            (two_digits(period / per_period), SEED)
-        }
+        _ => (two_digits(period / STEPS_PER_PERIOD), SEED),
     };
-    let of = move |paths: u64| MethodScene::MonteCarlo { paths, step, integrator, seed };
+    let of = move |paths: u64| MethodScene::MonteCarlo { paths, step, integrator: None, seed };
     let scene = scene.clone();
     let rung = move |paths: f64| {
         let paths = whole(two_digits(paths));
@@ -274,7 +233,7 @@ fn sampled(
     let method = Method {
         name: format!("Monte Carlo, {}, step {step} s", integrator.name()),
         growth: Growth::Samples,
-        standing,
+        standing: Standing::Judge,
         first: FIRST_PATHS,
         rung: Box::new(rung),
     };
@@ -285,8 +244,6 @@ fn sampled(
 const FIRST_GRID: (usize, f64) = (28, 0.6);
 /// Smallest number of guided paths.
 const FIRST_GUIDED: u64 = 300;
-/// Smallest number of samples of importance sampling.
-const FIRST_OF_IMPORTANCE: u64 = 300;
 /// Smallest number of samples of a level of subset simulation.
 const FIRST_OF_LEVEL: usize = 100;
 
@@ -294,18 +251,13 @@ const FIRST_OF_LEVEL: usize = 100;
 fn established(scene: &Arc<FpkScene>, system: &System) -> Vec<(MethodScene, Method)> {
     let (cells, per_cell) = FIRST_GRID;
     let steps_per_period = per_cell * cells as f64;
-    // The last integrator of a system is its best.
-    let integrator = system.integrators().last().copied().unwrap_or(IntegratorScene::Shark);
-    let step = two_digits(system.reference_period() / STEPS_PER_PERIOD[0]);
-    let (samples, seed) = (FIRST_OF_IMPORTANCE, SEED);
-    let guided = MethodScene::GuidedPaths { samples: FIRST_GUIDED, step, integrator, seed };
-    let importance = MethodScene::ImportanceSampling { samples, step, integrator, seed };
-    let (samples, correlation, runs) = (FIRST_OF_LEVEL, 0.8, 8);
+    let integrator = None;
+    let step = two_digits(system.reference_period() / STEPS_PER_PERIOD);
+    let (seed, samples, correlation, runs) = (SEED, FIRST_OF_LEVEL, 0.8, 8);
     let all = [
         MethodScene::ConservativeGrid { cells, reach: 8.0, steps_per_period },
         MethodScene::StatisticalLinearisation { step },
-        guided,
-        importance,
+        MethodScene::GuidedPaths { samples: FIRST_GUIDED, step, integrator, seed },
         MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed },
     ];
     let or_own = |method: MethodScene| {
@@ -326,9 +278,6 @@ fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
             ("conservative grid", Growth::Lattice { dimensions: 3 }, FIRST_GRID.0 as f64)
         }
         MethodScene::GuidedPaths { .. } => ("guided paths", Growth::Samples, FIRST_GUIDED as f64),
-        MethodScene::ImportanceSampling { .. } => {
-            ("importance sampling", Growth::Samples, FIRST_OF_IMPORTANCE as f64)
-        }
         MethodScene::SubsetSimulation { .. } => {
             ("subset simulation", Growth::Samples, FIRST_OF_LEVEL as f64)
         }
@@ -344,8 +293,7 @@ fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
                 (*cells, *steps_per_period) = (n, steps.max(FEWEST_STEPS_PER_PERIOD));
                 (n <= MOST_CELLS).then(|| (n as f64, format!("{n} x {n}")))?
             }
-            MethodScene::GuidedPaths { samples, .. }
-            | MethodScene::ImportanceSampling { samples, .. } => {
+            MethodScene::GuidedPaths { samples, .. } => {
                 *samples = whole(two_digits(size));
                 (*samples as f64, format!("{samples} paths"))
             }
@@ -396,25 +344,20 @@ mod tests {
             }
             ladder.methods.into_iter().map(|method| method.name).collect()
         };
-        let all = [
-            "conservative grid",
-            "statistical linearisation",
-            "guided paths",
-            "importance sampling",
-            "subset simulation",
-        ];
+        let all =
+            ["conservative grid", "statistical linearisation", "guided paths", "subset simulation"];
         let answering = |text: &str| {
             let names = names(text);
             all.map(|name| names.iter().any(|other| other == name))
         };
         let damper = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
-        assert_eq!(answering(damper), [true; 5]);
+        assert_eq!(answering(damper), [true; 4]);
         let thresholds = "[0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5]";
-        assert_eq!(answering(&damper.replace(thresholds, "[]")), [true, true, false, false, false]);
+        assert_eq!(answering(&damper.replace(thresholds, "[]")), [true, true, false, false]);
         let hysteresis = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
-        assert_eq!(answering(hysteresis), [false, true, true, true, true]);
+        assert_eq!(answering(hysteresis), [false, true, true, true]);
         // Its own method comes first, with its own parameters.
-        let fit = "\"log_density_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+        let fit = "\"flow_map_fit\": { \"count\": [41, 41], \"reach\": 6 }";
         let own = damper.replace(fit, "\"statistical_linearisation\": { \"step\": 0.7 }");
         assert_eq!(names(&own)[0], all[1]);
         // A filter on the lattice is another method than one that is conditioned out.

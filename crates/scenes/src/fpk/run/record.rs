@@ -4,10 +4,10 @@ use serde::Serialize;
 
 use super::observed::Observed;
 use super::resolutions::Resolutions;
-use crate::fpk::density::{Exceedances, Row};
+use crate::fpk::density::Exceedances;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
-use crate::run_result::{ErrorOrigin, Unknown};
+use crate::run_result::Unknown;
 
 /// Keys that this kind adds to the schema `run-result/1`.
 #[derive(Debug, Serialize)]
@@ -95,16 +95,6 @@ pub(super) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> V
         "entropy".into(),
         "entropy (nats)".into(),
         both.values(|row| Some(row.entropy)),
-    ));
-    let counted = |row: &Row| {
-        let value = row.distrusted_cells? as f64;
-        let error_kind = ErrorOrigin::Exact;
-        Some(Observed { t: row.t, value, error: None, error_kind, note: None, weights: None })
-    };
-    all.push(series(
-        "distrusted-cells".into(),
-        "cells in which the fit was not trusted".into(),
-        both.fine.rows.iter().filter_map(counted).collect(),
     ));
     all.retain(|series| !series.values.is_empty());
     all

@@ -247,7 +247,6 @@ mod tests {
             mass_outside: 0.0,
             entropy: 0.0,
             cell_mass: None,
-            distrusted_cells: None,
             cpu_seconds: 0.0,
         };
         DensityRun {
@@ -347,7 +346,7 @@ mod tests {
         let error = slow.values(|row| Some(row.moments[0]))[0].error.unwrap();
         assert!((error - 0.1_f64.hypot(0.3)).abs() < 1e-12, "{error}");
         assert!(slow.not_shown().unwrap().reason.starts_with("that of the reach"));
-        let none = in_four_states(Method::LogDensityFit, 1.4);
+        let none = in_four_states(Method::CanorDenoel2013, 1.4);
         let error = none.values(|row| Some(row.moments[0]))[0].error.unwrap();
         assert!((error - 0.1).abs() < 1e-12, "{error}");
         assert_eq!(none.not_shown(), None);

@@ -36,8 +36,7 @@ impl Visitor for Sampled<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let integrator = self.sampling.integrator;
-        self.sampled::<D>(&|paths, place| system.shard(integrator, paths, place))
+        self.sampled::<D>(&|paths, place| system.shard(paths, place))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Exceedance probabilities of a density scene by guided paths, importance sampling or subset simulation.
+//! Exceedance probabilities of a density scene by guided paths or subset simulation.
 
 use random_vibration::{
     ExceedanceQuestion, GuidedConfig, GuidedPaths, Linearisation, SubsetConfig, TailError,
@@ -12,7 +12,6 @@ use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
 use crate::clock::CpuClock;
-use crate::fpk::integrator_scene::IntegratorScene;
 use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
@@ -27,7 +26,6 @@ pub(super) struct TailsOf<'a> {
     pub(super) run: &'a Run<'a>,
     /// Longest step.
     pub(super) step: f64,
-    pub(super) integrator: IntegratorScene,
     pub(super) seed: u64,
     pub(super) how: Estimator,
 }
@@ -37,15 +35,6 @@ pub(super) struct TailsOf<'a> {
 pub(super) enum Estimator {
     /// Guided paths to both tails.
     Guided { samples: u64 },
-    /// A method that takes a path as a function of its normals.
-    Driven(Driven),
-}
-
-/// Method that takes a path as a function of its normals.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Driven {
-    /// Importance sampling of both tails.
-    Importance { samples: u64 },
     /// Subset simulation.
     Subset { config: SubsetConfig },
 }
@@ -54,8 +43,7 @@ impl Estimator {
     const fn name(self) -> &'static str {
         match self {
             Self::Guided { .. } => "guided paths",
-            Self::Driven(Driven::Importance { .. }) => "importance sampling",
-            Self::Driven(Driven::Subset { .. }) => "subset simulation",
+            Self::Subset { .. } => "subset simulation",
         }
     }
 }
@@ -65,63 +53,26 @@ const UNGUIDED: f64 = 0.05;
 /// Steps of the linearisation that guides the paths, per period.
 const STEPS_OF_GUIDE: f64 = 20.0;
 
-/// Estimates probabilities at one time.
-trait AtTime {
-    /// `P(|y| > T)` for a threshold at the time `t` of the paths.
-    fn exceedance(&self, t: f64, threshold: f64) -> Result<Observed, TailError>;
-
-    /// Number of paths evaluated so far.
-    fn n_followed(&self) -> u64;
-}
-
-/// Paths of a [`Driven`] method.
-struct DrivenPaths<'s, const D: usize> {
-    paths: TailPaths<'s, D>,
-    how: Driven,
-    seed: u64,
-}
-
-impl<const D: usize> AtTime for DrivenPaths<'_, D> {
-    fn exceedance(&self, t: f64, threshold: f64) -> Result<Observed, TailError> {
-        let estimate = match self.how {
-            Driven::Subset { config } => self.paths.subset(threshold, &config, self.seed),
-            Driven::Importance { samples } => {
-                self.paths.importance(threshold, Tails::Both, samples, self.seed)
-            }
-        };
-        Ok(Observed::of_estimate(t, &estimate?))
-    }
-
-    fn n_followed(&self) -> u64 {
-        self.paths.n_followed()
-    }
-}
-
 /// Creates the paths to a time in a number of steps; all other code is compiled once for each number of states.
-type PathsTo<'s, const D: usize> = &'s dyn Fn(
-    &GaussianMixture<D>,
-    (f64, usize),
-    [f64; D],
-) -> Result<Box<dyn AtTime + 's>, PathsError>;
+type PathsTo<'s, const D: usize> =
+    &'s dyn Fn(&GaussianMixture<D>, (f64, usize), [f64; D]) -> Result<TailPaths<'s, D>, PathsError>;
 
 impl Visitor for TailsOf<'_> {
     type Output = Result<Outcome, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let Self { integrator, seed, how, .. } = self;
-        let samples = match how {
+        let samples = match self.how {
             Estimator::Guided { samples } => samples,
-            Estimator::Driven(how) => {
-                return self.tails::<D>(&|law, span, weights| {
-                    let paths = system.tails(integrator, law, span)?.with_demand(weights);
-                    Ok(Box::new(DrivenPaths { paths, how, seed }))
+            Estimator::Subset { config } => {
+                return self.subset::<D>(&config, &|law, span, weights| {
+                    Ok(system.tails(law, span)?.with_demand(weights))
                 });
             }
         };
         let order = order(self.system.kinks());
         let rule = Linearisation { order, step: self.system.reference_period() / STEPS_OF_GUIDE };
         self.guided::<D>(samples, &|law, span, weights| {
-            let paths = system.guided(integrator, law, span, &rule)?;
+            let paths = system.guided(law, span, &rule)?;
             Ok(paths.with_demand(weights)?)
         })
     }
@@ -174,8 +125,12 @@ impl TailsOf<'_> {
         Ok(self.outcome(probabilities, (study.path_steps(), cpu_seconds)))
     }
 
-    /// Each time and threshold by itself.
-    fn tails<const D: usize>(self, paths_to: PathsTo<'_, D>) -> Result<Outcome, RunError> {
+    /// Each time and threshold by subset simulation.
+    fn subset<const D: usize>(
+        self,
+        config: &SubsetConfig,
+        paths_to: PathsTo<'_, D>,
+    ) -> Result<Outcome, RunError> {
         let Self { scene, system: named, run, step, seed, how, .. } = self;
         run.no_shards()?;
         // A method without a checkpoint still refuses to start over another run.
@@ -189,7 +144,8 @@ impl TailsOf<'_> {
             let n_steps = steps(t, step);
             let paths = paths_to(&law, (t, n_steps), weights)?;
             for (k, &threshold) in asked.thresholds.iter().enumerate() {
-                probabilities.push((k, t), paths.exceedance(t, threshold))?;
+                let found = paths.subset(threshold, config, seed);
+                probabilities.push((k, t), found.map(|found| Observed::of_estimate(t, &found)))?;
             }
             path_steps += paths.n_followed() * n_steps as u64;
             let done = (row as u64 + 1, asked.times.len() as u64);
@@ -243,9 +199,7 @@ impl Probabilities<'_> {
             Ok(observed) => self.values[k].push(observed),
             Err(
                 error @ (TailError::Untrusted { .. }
-                | TailError::Sampling(
-                    Error::NoDesignPoint { .. } | Error::TooManyLevels { .. },
-                )),
+                | TailError::Sampling(Error::TooManyLevels { .. })),
             ) => self.unknown.push(Unknown {
                 what: format!("exceedance/{} at t = {t}", self.thresholds[k]),
                 reason: error.to_string(),

@@ -1,11 +1,11 @@
 //! Paths of stochastic differential equations: one level, several levels, and a better integrator.
 
-use fpk_sph::systems::GeometricBrownianMotion;
 use result_figures::{Drawing, Method, Words};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Integrator, Observable, StateSpace, StrangOscillator, simulate,
 };
 use uq_estimators::{Bias, Multilevel, PathLadder, Statistic, Target, Tolerance};
+use vibrating_systems::GeometricBrownianMotion;
 
 use super::measured::{Size, drawing, method};
 use crate::context::{CaseError, Context, Profile};

@@ -11,7 +11,6 @@ use random_vibration::{
 };
 use result_figures::Reference;
 use scenes::fpk::density::{self, Asked, Demand, DensityRun, Erased};
-use scenes::fpk::integrator_scene::IntegratorScene;
 use scenes::fpk::monte_carlo::{self, Sampling};
 use scenes::fpk::paths::Paths;
 use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, SubsetConfig};
@@ -25,7 +24,6 @@ type Steps = (Scheme, f64, f64, Settling);
 
 /// Methods of the density solver for every scene, with their steps if these are not those of the method: a new one is one line.
 const METHODS: &[(&str, Method, Option<Steps>)] = &[
-    ("particles, log-density fit", Method::LogDensityFit, None),
     ("particles, flow-map fit", Method::FlowMapFit, None),
     (
         "particles, flow-map fit, one evaluation",
@@ -41,11 +39,6 @@ const METHODS: &[(&str, Method, Option<Steps>)] = &[
         "particles, flow-map fit, one evaluation, 1 % negligible, graded",
         Method::FlowMapFit,
         Some((Scheme::LawsonAdamsBashforth2, 40.0, 0.01, Settling::GRADED)),
-    ),
-    (
-        "particles, flow-map fit, Lawson-Runge-Kutta 4",
-        Method::FlowMapFit,
-        Some((Scheme::LawsonRungeKutta4, 20.0, 0.0, Settling::UNIFORM)),
     ),
 ];
 
@@ -107,7 +100,6 @@ pub(super) struct Setting<'a, S, I, const D: usize> {
     pub(super) targets: Vec<Target>,
     /// Integrator of a path.
     pub(super) integrator: &'a I,
-    pub(super) named_integrator: IntegratorScene,
     pub(super) n_steps: u32,
 }
 
@@ -307,7 +299,7 @@ where
     Ok(setting.deterministic(words, ((cost, spread), (cost, spread)), &moments, &tails))
 }
 
-/// Samples by Monte Carlo, guided paths, importance sampling and subset simulation.
+/// Samples by Monte Carlo, guided paths and subset simulation.
 pub(super) fn sample<S, I, const D: usize>(
     context: &Context<'_>,
     setting: &Setting<'_, S, I, D>,
@@ -330,11 +322,6 @@ where
             let label = group_thousands_u64(samples);
             let run = || guided(setting, rule, target.threshold, samples);
             records.push(one(target, ("guided paths", &label), None, run)?);
-        }
-        for samples in rungs(context, &[500_u64, 3_000, 20_000]) {
-            let label = group_thousands_u64(samples);
-            let run = || Ok(tail.importance(target.threshold, Tails::Doubled, samples, samples)?);
-            records.push(one(target, ("importance sampling", &label), None, run)?);
         }
         for n_samples in rungs(context, &[200_usize, 500, 1_500]) {
             let config = SubsetConfig { n_samples, correlation: 0.8, n_runs: SUBSET_RUNS };
@@ -386,14 +373,14 @@ where
     S: Paths<D, 1>,
 {
     let step = setting.time / f64::from(setting.n_steps);
-    let sampling = Sampling { paths, step, integrator: setting.named_integrator, seed: paths };
+    let sampling = Sampling { paths, step, seed: paths };
     let asked = setting.asked(false);
     let (run, cpu_seconds, cpu_spread) =
         timed(LONG, || Ok(monte_carlo::run_on(setting.system, setting.law, &sampling, &asked)?))?;
     let row = run.at(setting.time).ok_or("no row")?;
     let record = |quantity: &str, outcome| Record {
         quantity: quantity.into(),
-        method: format!("Monte Carlo, {}", setting.named_integrator.name()),
+        method: format!("Monte Carlo, {}", S::INTEGRATOR.name()),
         label: group_thousands_u64(paths),
         cpu_seconds,
         cpu_spread,
@@ -434,7 +421,7 @@ fn one(
     let mut reason = None;
     let (estimate, cpu_seconds, cpu_spread) = timed(LONG, || match run() {
         Ok(estimate) => Ok(Some(estimate)),
-        // A missing design point is a result too.
+        // That there is no estimate is a result too.
         Err(error) => {
             reason = Some(error.to_string());
             Ok(None)

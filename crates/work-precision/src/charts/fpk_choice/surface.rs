@@ -177,7 +177,7 @@ impl<S, I, const D: usize> SurfaceOf<'_, S, I, D> {
         })
     }
 
-    /// Monte Carlo, guided paths, importance sampling and subset simulation.
+    /// Monte Carlo, guided paths and subset simulation.
     pub(super) fn sampled(
         &self,
         context: &Context<'_>,
@@ -196,14 +196,6 @@ impl<S, I, const D: usize> SurfaceOf<'_, S, I, D> {
             let run = || self.guided(rule, samples);
             records.push(self.record(context, ("guided paths", &label), run)?);
         }
-        for samples in rungs(context, &[500_u64, 3_000]) {
-            let label = group_thousands_u64(samples);
-            let one = |paths: &TailPaths<'_, D>, threshold: f64| {
-                paths.importance(threshold, Tails::Doubled, samples, samples)
-            };
-            let run = || self.one_by_one(&one);
-            records.push(self.record(context, ("importance sampling", &label), run)?);
-        }
         let n_samples = 200;
         let config = SubsetConfig { n_samples, correlation: 0.8, n_runs: SUBSET_RUNS };
         let label = format!("{SUBSET_RUNS} x {n_samples}");
@@ -221,10 +213,10 @@ impl<S, I, const D: usize> SurfaceOf<'_, S, I, D> {
         S: Paths<D, 1>,
     {
         let setting = self.setting;
-        let (integrator, (until, n_steps)) = (setting.named_integrator, self.span());
-        let sampling = Sampling { paths, step: until / n_steps as f64, integrator, seed: paths };
+        let (until, n_steps) = self.span();
+        let sampling = Sampling { paths, step: until / n_steps as f64, seed: paths };
         let asked = self.asked(false);
-        let method = format!("Monte Carlo, {}", integrator.name());
+        let method = format!("Monte Carlo, {}", S::INTEGRATOR.name());
         let label = group_thousands_u64(paths);
         let mut record = self.record(context, (&method, &label), || {
             let run = monte_carlo::run_on(setting.system, setting.law, &sampling, &asked)?;

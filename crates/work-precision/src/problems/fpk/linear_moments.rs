@@ -224,7 +224,7 @@ impl<const D: usize> NormalLaw<D> {
 
 #[cfg(test)]
 mod tests {
-    use fpk_sph::systems::{
+    use vibrating_systems::{
         Filter, Filtered, KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters,
         OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters, Window,
     };

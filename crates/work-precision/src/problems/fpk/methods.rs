@@ -1,7 +1,6 @@
 //! Methods and lattices that charts and cases use on the problems of `fpk-sph`.
 
-use fpk_sph::score::{Degree, VolumeEstimate};
-use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, Estimator, InitialLattice, Method};
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use random_vibration::{Linearisation, Quadrature};
 
 /// The lattice of section 4.1 with the method of section 3.
@@ -16,17 +15,6 @@ pub fn papers_config(period: f64) -> Config<2> {
 
 /// The lattice of the claims on moments.
 pub const BOUC_WEN_LATTICE: InitialLattice<3> = InitialLattice::Ball { reach: 5.0, spacing: 0.4 };
-
-/// The method and the lattice for the tail alone. The flow-map fit folds its rim; the log-density fit finds
-/// its neighbours anew where the rim has gone, and kernel sums need no lattice cell.
-pub fn bouc_wen_tail() -> (Method, InitialLattice<3>) {
-    let (volume, degree) = (VolumeEstimate::KernelSum, Degree::Quadratic);
-    let method = Method::Custom(Combination {
-        estimator: Estimator::LogDensityFit { volume, degree },
-        ..Method::LogDensityFit.combination()
-    });
-    (method, InitialLattice::Ball { reach: 6.0, spacing: 0.35 })
-}
 
 /// The lattice of the building behind the filter.
 pub const KANAI_TAJIMI_LATTICE: InitialLattice<4> =

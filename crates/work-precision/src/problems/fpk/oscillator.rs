@@ -1,7 +1,7 @@
 //! The two oscillators of section 4.1 of Canor & Denoël 2013.
 
-use fpk_sph::systems::{LinearOscillator, ViscousDamper};
 use scenes::fpk::system::System;
+use vibrating_systems::{LinearOscillator, ViscousDamper};
 
 /// One of the two, checked.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,13 @@
 //! The built-in problems: each is a scene file, and has references.
 
-use fpk_sph::systems::{BoucWen, Duffing, Filtered, LinearOscillator};
 use fpk_sph::{Config, Error};
 use scenes::fpk::density::{self, Asked, DensityRun};
-use scenes::fpk::monte_carlo::{self, SampledRun, Sampling};
+use scenes::fpk::monte_carlo::{self, SampledRun, Sampling, Shard};
 use scenes::fpk::paths::PathsError;
 use scenes::fpk::scene::FpkScene;
 use scenes::fpk::system::System;
-use sde_integrators::GaussianMixture;
+use sde_integrators::{EulerMaruyama, GaussianMixture};
+use vibrating_systems::{BoucWen, Duffing, Filtered, LinearOscillator};
 
 use super::oscillator::Oscillator;
 use super::reference::ReferenceTable;
@@ -91,6 +91,22 @@ impl Problem {
             Oscillator::Linear(system) => monte_carlo::run_on(system, &self.law, sampling, asked),
             Oscillator::Damper(system) => monte_carlo::run_on(system, &self.law, sampling, asked),
         }
+    }
+
+    /// As [`Self::sampled`] by forward Euler, the integrator of the paper.
+    ///
+    /// # Errors
+    /// Those of the ensemble.
+    pub fn sampled_by_euler(
+        &self,
+        sampling: &Sampling,
+        asked: &Asked,
+    ) -> Result<SampledRun, PathsError> {
+        let shard: Shard<'_, 2> = &|paths, place| match &self.system {
+            Oscillator::Linear(system) => paths.shard(system, &EulerMaruyama, place),
+            Oscillator::Damper(system) => paths.shard(system, &EulerMaruyama, place),
+        };
+        monte_carlo::run_by(shard, &self.law, sampling, asked)
     }
 }
 

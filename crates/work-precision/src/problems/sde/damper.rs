@@ -1,6 +1,6 @@
 //! The viscous damper under stationary noise.
 
-use fpk_sph::systems::{
+use vibrating_systems::{
     LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
 

@@ -1,0 +1,40 @@
+#![doc = include_str!("../README.md")]
+
+mod bistable;
+mod bouc_wen;
+mod cox_ingersoll_ross;
+mod duffing;
+mod error;
+mod filter;
+mod filtered;
+mod geometric_brownian_motion;
+mod hysteresis;
+mod linear_law;
+mod linear_oscillator;
+pub mod matrix;
+mod ornstein_uhlenbeck;
+mod shear_building;
+mod shear_chain;
+mod stationary;
+mod two_storey;
+mod van_der_pol;
+mod viscous_damper;
+mod window;
+
+pub use bistable::{Bistable, BistableParameters};
+pub use bouc_wen::{BoucWen, BoucWenParameters, StrangBoucWen};
+pub use cox_ingersoll_ross::{CoxIngersollRoss, CoxIngersollRossParameters};
+pub use duffing::{Duffing, DuffingParameters};
+pub use error::Error;
+pub use filter::{CloughPenzienParameters, Filter, KanaiTajimiParameters};
+pub use filtered::Filtered;
+pub use geometric_brownian_motion::GeometricBrownianMotion;
+pub use hysteresis::Hysteresis;
+pub use linear_oscillator::{LinearOscillator, LinearOscillatorParameters};
+pub use ornstein_uhlenbeck::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
+pub use shear_building::{Ground, ShearBuilding, ShearBuildingParameters, Storey};
+pub use stationary::StationaryOscillator;
+pub use two_storey::{TwoStorey, TwoStoreyParameters};
+pub use van_der_pol::{VanDerPolRayleigh, VanDerPolRayleighParameters};
+pub use viscous_damper::{ViscousDamper, ViscousDamperParameters};
+pub use window::{TabulatedWindow, Window};

@@ -1,0 +1,106 @@
+//! The linear oscillator under modulated white noise: the system whose answer is exact.
+
+use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
+
+use crate::Window;
+use crate::error::{Error, not_negative, positive};
+
+/// Parameters of a [`LinearOscillator`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearOscillatorParameters {
+    /// `omega_0 > 0`, natural circular frequency (rad per unit of time).
+    pub natural_frequency: f64,
+    /// `xi >= 0`, damping ratio.
+    pub damping_ratio: f64,
+    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`; it is the diffusion `D_22` at
+    /// `a = 1` (displacement squared per time cubed).
+    pub noise_intensity: f64,
+    /// `a(t)`, the modulating function (window).
+    pub window: Window,
+}
+
+/// The linear oscillator
+///
+/// $$ \ddot q + 2 \xi \omega_0 \dot q + \omega_0^2 q = a(t) W(t), \qquad E[W(t) W(t+\tau)] = 2 S_0 \delta(\tau), $$
+///
+/// eq 26 of Canor & Denoël 2013 without its damper. State `(q, q')`; `D_22 = S_0 a^2`, all other entries zero. Gaussian
+/// at all times, with moments from the Lyapunov equation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearOscillator {
+    parameters: LinearOscillatorParameters,
+}
+
+impl LinearOscillator {
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::Negative`], [`Error::OutOfOrder`], naming the parameter.
+    pub fn new(parameters: LinearOscillatorParameters) -> Result<Self, Error> {
+        positive("natural_frequency", parameters.natural_frequency)?;
+        not_negative("damping_ratio", parameters.damping_ratio)?;
+        not_negative("noise_intensity", parameters.noise_intensity)?;
+        parameters.window.check()?;
+        Ok(Self { parameters })
+    }
+
+    /// The parameters.
+    pub fn parameters(&self) -> &LinearOscillatorParameters {
+        &self.parameters
+    }
+
+    /// `2 pi / omega_0`, the natural period (time).
+    pub fn period(&self) -> f64 {
+        std::f64::consts::TAU / self.parameters.natural_frequency
+    }
+
+    /// `a(t) sqrt(2 S_0)`, what multiplies `dB`.
+    #[inline]
+    fn noise_amplitude(&self, t: f64) -> f64 {
+        self.parameters.window.noise_amplitude(t, self.parameters.noise_intensity)
+    }
+}
+
+impl Sde<2, 1> for LinearOscillator {
+    type Noise = Additive;
+
+    #[inline]
+    fn drift(&self, t: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
+        let [acceleration] = self.acceleration(t, &[q], &[v]);
+        [v, acceleration]
+    }
+
+    #[inline]
+    fn noise(&self, t: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
+        [[0.0], [self.noise_amplitude(t)]]
+    }
+
+    #[inline]
+    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
+        Some(linear_part_of(self))
+    }
+}
+
+impl SecondOrder<1, 1> for LinearOscillator {
+    #[inline]
+    fn natural_frequency(&self) -> [f64; 1] {
+        [self.parameters.natural_frequency]
+    }
+
+    #[inline]
+    fn linear_damping(&self) -> [f64; 1] {
+        [2.0 * self.parameters.damping_ratio * self.parameters.natural_frequency]
+    }
+
+    #[inline]
+    fn remaining_acceleration(&self, _: f64, _: &[f64; 1], _: &[f64; 1]) -> [f64; 1] {
+        [0.0]
+    }
+
+    #[inline]
+    fn remaining_flow(&self, _: f64, _: f64, _: &[f64; 1], _: &mut [f64; 1]) {}
+
+    #[inline]
+    fn noise_intensity(&self, t: f64) -> [[f64; 1]; 1] {
+        [[self.noise_amplitude(t)]]
+    }
+}

@@ -16,8 +16,6 @@ pub struct Page {
     pub notes: Vec<Note>,
     /// The answers that are shown first.
     pub answers: Vec<Answer>,
-    /// Number of further values, which are in `tables` or in the result file.
-    pub n_more: usize,
     /// Fields over time or over realisations.
     pub motions: Vec<Motion>,
     /// Why a field is not shown, and which key of the scene turns it on.

@@ -76,7 +76,6 @@ fn whole(page: &Page) -> Result<String, PageError> {
         solver => &page.solver,
         notes => notes.iter().map(note_value).collect::<Vec<_>>(),
         answers => page.answers.iter().map(answer_value).collect::<Vec<_>>(),
-        n_more => page.n_more,
         charts => charts.iter().map(chart_value).collect::<Vec<_>>(),
         every => every,
         motions => page.motions.iter().map(motion_value).collect::<Vec<_>>(),

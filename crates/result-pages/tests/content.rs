@@ -17,7 +17,7 @@ fn the_page_has_answers_notes_tables_and_nothing_from_outside() {
         "0.52082 <span class=\"error\">± 0.00042</span>",
         "0.0806 % of the value",
         "<strong>Warning:</strong> a warning",
-        "12 more values",
+        "More values",
         "`cloud` turns them on",
         "data-number=\"9",
         "Last values:",

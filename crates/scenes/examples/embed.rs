@@ -1,4 +1,4 @@
-//! Solves a scene given as text and prints its quantities, each with its error.
+//! Solves a scene given as text and prints its answers, each with its error and how that is known.
 
 #![allow(clippy::print_stdout, reason = "an example shows its result")]
 
@@ -14,10 +14,9 @@ const SCENE: &str = r#"{
 }"#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let answer = scenes::solve(&scenes::SceneFile::from_text("damper", SCENE.to_owned())?)?;
-    for quantity in answer.quantities {
-        let error = quantity.error.map_or("unknown".to_owned(), |error| format!("{error:.0e}"));
-        println!("{} = {:.4e}, error {error}", quantity.words, quantity.value);
+    let answers = scenes::solve(&scenes::SceneFile::from_text("damper", SCENE.to_owned())?)?;
+    for answer in answers.list {
+        println!("{answer}: {}", answer.last.number.error_kind.words());
     }
     Ok(())
 }

@@ -19,8 +19,9 @@ pub use self::judgement::{Judgement, judge};
 pub use self::page::write_page;
 pub use self::within::{Within, print_within, run_within};
 pub use self::words::print;
+use crate::answers::Answers;
 use crate::kind::{Progress, RunError, SceneKind, kind_of};
-use crate::ladder::{self, Ladder, LadderError, Limits, Outcome, Rung, Trial};
+use crate::ladder::{self, Ladder, Limits, Outcome, Rung, Trial};
 use crate::scene::SceneFile;
 
 /// Sizes are chosen for this fraction of the tolerance, because an extrapolated error is itself uncertain.
@@ -54,9 +55,6 @@ pub enum AdviseError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Run(#[from] RunError),
-    /// A trial could not be started.
-    #[error(transparent)]
-    Ladder(#[from] LadderError),
     /// The tolerance is out of range.
     #[error("the tolerance is {tolerance}; it must lie between 0 and 1")]
     Tolerance {
@@ -226,9 +224,9 @@ pub fn advise_on(
     for method in 0..ladder.methods.len() {
         trials.extend(ladder::climb(kind, file, &ladder, method, limits, |method, rung| {
             progress.stage(&format!("trial: {}", method.at(&rung.label)));
-        })?);
+        }));
         // A misspelt quantity is reported before the other methods have run.
-        if trials.iter().any(|it| it.answer().is_some()) {
+        if trials.iter().any(|it| it.answers().is_some()) {
             require_quantities(&ids(&trials)?, &options.quantities)?;
         }
     }
@@ -272,9 +270,9 @@ fn require_quantities(ids: &[String], prefixes: &[String]) -> Result<(), AdviseE
 /// Ids of all quantities, in the order of the results.
 fn ids(trials: &[Trial]) -> Result<Vec<String>, AdviseError> {
     let mut ids: Vec<String> = Vec::new();
-    for quantity in trials.iter().filter_map(Trial::answer).flat_map(|answer| &answer.quantities) {
-        if !ids.contains(&quantity.id) {
-            ids.push(quantity.id.clone());
+    for answer in trials.iter().filter_map(Trial::answers).flat_map(Answers::compared) {
+        if !ids.contains(&answer.id) {
+            ids.push(answer.id.clone());
         }
     }
     if ids.is_empty() {

@@ -38,10 +38,17 @@ pub enum Start {
 /// Checkpoint of a run.
 #[derive(Debug)]
 pub struct Checkpoint {
-    folder: PathBuf,
-    head: Head,
+    /// Where its files are; none of a run in memory, of which nothing is stored.
+    files: Option<Files>,
     every: Duration,
     kept: Mutex<Kept>,
+}
+
+/// Place and identity of the files of a checkpoint.
+#[derive(Debug)]
+struct Files {
+    folder: PathBuf,
+    head: Head,
 }
 
 #[derive(Debug)]
@@ -65,6 +72,13 @@ pub struct Found {
 }
 
 impl Checkpoint {
+    /// The checkpoint of a run in memory: nothing is stored, and nothing is loaded.
+    #[must_use]
+    pub fn in_memory() -> Self {
+        let kept = Mutex::new(Kept::new(Parts::new(), 0, Stage::Ended));
+        Self { files: None, every: Duration::MAX, kept }
+    }
+
     /// Opens the checkpoint of the run identified by `head`, in its result folder; `interval` limits its writes.
     ///
     /// # Errors
@@ -112,7 +126,8 @@ impl Checkpoint {
             }
             (Start::GoOn, None) => Kept::new(Parts::new(), 0, Stage::Ended),
         };
-        Ok((Self { folder: folder.to_owned(), head, every, kept: Mutex::new(kept) }, found))
+        let files = Some(Files { folder: folder.to_owned(), head });
+        Ok((Self { files, every, kept: Mutex::new(kept) }, found))
     }
 
     /// Loads a part stored by an earlier run.
@@ -164,16 +179,20 @@ impl Checkpoint {
         part: &T,
         is_due: impl FnOnce(&Kept) -> bool,
     ) -> Result<(), CheckpointError> {
+        let Some(files) = &self.files else {
+            let is_requested = interrupt::is_requested();
+            return if is_requested { Err(CheckpointError::NotKept) } else { Ok(()) };
+        };
         let start = Instant::now();
         let bytes = to_bytes(name, part)?;
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.parts.insert(name.to_owned(), bytes);
         kept.stage = Stage::UnderWay;
         if is_due(&kept) {
-            self.write(&mut kept)?;
+            files.write(&mut kept)?;
             kept.took = start.elapsed();
             if interrupt::is_requested() {
-                return Err(CheckpointError::Interrupted { path: self.newest(&kept) });
+                return Err(CheckpointError::Interrupted { path: files.newest(&kept) });
             }
         }
         Ok(())
@@ -187,13 +206,15 @@ impl Checkpoint {
     /// Errors of the file system.
     pub fn end(&self) -> Result<(), CheckpointError> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if kept.stage == Stage::UnderWay {
+        if let (Some(files), Stage::UnderWay) = (&self.files, kept.stage) {
             kept.stage = Stage::Ended;
-            self.write(&mut kept)?;
+            files.write(&mut kept)?;
         }
         Ok(())
     }
+}
 
+impl Files {
     /// The file that was written last, or is being written.
     fn newest(&self, kept: &Kept) -> PathBuf {
         let [even, odd] = file::names(&self.folder);

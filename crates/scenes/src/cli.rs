@@ -14,7 +14,7 @@ use clap::{Args, Parser, Subcommand};
 use self::summary::Ending;
 use crate::built_in::ALL;
 use crate::checkpoint::Start;
-use crate::kind::{self, Options, PageFile, Part, Place, Progress};
+use crate::kind::{self, Options, Part, Place, Progress};
 use crate::{advise, interrupt, schema};
 
 /// Exit code when the reader of the output has exited.
@@ -288,7 +288,6 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
         },
         checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
         part: arguments.shard.map_or(Part::Whole, Part::Shard),
-        page: PageFile::Write,
         longest: arguments.allowed.longest(),
     };
     if let Some(n_ranks) = started {
@@ -323,7 +322,7 @@ fn run_within(
     let ran = advise::run_within(ALL, scene, options, wanted, &progress);
     progress.finish();
     let within = ran?;
-    summary::print(&within.files, ending, output)?;
+    summary::print(&within.files, Some(&within.found), ending, output)?;
     advise::print_within(&within, wanted, output)?;
     Ok(if within.is_reached(wanted.tolerance) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -335,9 +334,9 @@ fn run_scene(
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     let progress = Progress::on_stderr();
-    let written = kind::run(ALL, scene, options, &progress);
+    let finished = kind::run(ALL, scene, options, &progress);
     progress.finish();
-    summary::print(&written?, ending, output)
+    summary::print_finished(&finished?, ending, output)
 }
 
 fn execute_schema(arguments: &Schema, output: &mut dyn Write) -> miette::Result<ExitCode> {

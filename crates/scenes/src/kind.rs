@@ -14,18 +14,22 @@ mod part;
 mod progress;
 mod run_error;
 mod shards;
+mod solution;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::OnceLock;
+use std::time::Duration;
 
 use mpi_ensembles::Ranks;
 use schemars::Schema;
+use serde_json::Value;
 
 pub use self::blocks::{BlockRecord, Cut, JobRecord};
 pub use self::blocks_left::BlocksLeft;
 pub use self::inputs::Inputs;
+use self::kind_run::Results;
 pub use self::kind_run::Run;
-pub use self::options::{Options, PageFile};
+pub use self::options::Options;
 #[cfg(feature = "smpm")]
 pub(crate) use self::pace::Limit;
 #[cfg(any(feature = "smpm", feature = "peridyn"))]
@@ -34,9 +38,10 @@ pub use self::pace::TooLong;
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 pub use self::run_error::{RunError, SolverError};
+pub use self::solution::{Completed, Finished, Found, Output, Solution};
+use crate::answers::Answers;
 use crate::checkpoint::Checkpoint;
-use crate::findings::Findings;
-use crate::ladder::{Ladder, Quantity};
+use crate::ladder::Ladder;
 use crate::models::Ingredient;
 use crate::nearest::nearest;
 pub use crate::scene::KIND_KEY;
@@ -51,20 +56,16 @@ pub struct SceneKind {
     pub schema: fn() -> Schema,
     /// Parses and checks a scene without running it.
     pub check: fn(&SceneFile) -> Result<(), SceneError>,
-    /// Parses and runs a scene, writes its results into the folder and returns the paths of the files.
-    pub run: fn(&SceneFile, &Run<'_>) -> Result<Vec<PathBuf>, RunError>,
+    /// Parses and solves a scene; what is found stays in memory, except for fields and shards.
+    pub run: fn(&SceneFile, &Run<'_>) -> Result<Completed, RunError>,
     /// Methods that solve a scene, its own first.
     pub ladder: fn(&SceneFile) -> Result<Ladder, RunError>,
-    /// Quantities of its `result.json` by which methods are compared.
-    pub quantities: fn(&serde_json::Value) -> Vec<Quantity>,
-    /// What a run found, from its `result.json`: for its last lines on the terminal and for its page.
-    pub findings: fn(&serde_json::Value) -> Result<Findings, serde_json::Error>,
     /// Ingredients that can be left out of a scene.
-    pub ingredients: fn(&serde_json::Map<String, serde_json::Value>) -> Vec<Ingredient>,
+    pub ingredients: fn(&serde_json::Map<String, Value>) -> Vec<Ingredient>,
 }
 
 impl SceneKind {
-    /// Runs a scene of this kind.
+    /// Runs a scene of this kind and writes its results.
     ///
     /// # Errors
     /// [`RunError`].
@@ -73,7 +74,7 @@ impl SceneKind {
         file: &SceneFile,
         options: &Options,
         progress: &Progress,
-    ) -> Result<Vec<PathBuf>, RunError> {
+    ) -> Result<Finished, RunError> {
         self.run_file_on(file, options, progress, None)
     }
 
@@ -83,15 +84,42 @@ impl SceneKind {
         options: &Options,
         progress: &Progress,
         ranks: Option<&dyn Ranks>,
-    ) -> Result<Vec<PathBuf>, RunError> {
+    ) -> Result<Finished, RunError> {
         if ranks.is_some() && options.part != Part::Whole {
             return Err(RunError::PartOnRanks);
         }
-        let (solver, checkpoint, lock) = (self.solver, OnceLock::new(), OnceLock::new());
-        let run = Run { progress, solver, options, checkpoint, lock, ranks };
-        let written = (self.run)(file, &run)?;
+        let (solver, results) = (self.solver, Results::InFolder);
+        let (checkpoint, lock) = (OnceLock::new(), OnceLock::new());
+        let run = Run { progress, solver, options, results, checkpoint, lock, ranks };
+        let schema = Value::from((self.schema)());
+        let finished = (self.run)(file, &run)?.write(file, &run, &schema)?;
         run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
-        Ok(written)
+        Ok(finished)
+    }
+
+    /// Runs a scene of this kind in memory: no file is read, other than those that the scene names, and none is written.
+    ///
+    /// A part of the run that would take longer than `longest` is refused.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn solve(
+        &self,
+        file: &SceneFile,
+        longest: Option<Duration>,
+        progress: &Progress,
+    ) -> Result<Answers, RunError> {
+        let options = &Options { longest, ..Options::new("") };
+        let (solver, results, ranks) = (self.solver, Results::InMemory, None);
+        let (checkpoint, lock) = (OnceLock::new(), OnceLock::new());
+        let run = Run { progress, solver, options, results, checkpoint, lock, ranks };
+        match (self.run)(file, &run)? {
+            Completed::Here(solution) => {
+                let Solution { answers, stopped, .. } = *solution;
+                stopped.map_or(Ok(answers), |error| Err(RunError::Solver(error)))
+            }
+            Completed::Elsewhere(_) => Err(RunError::NoShards),
+        }
     }
 }
 
@@ -104,7 +132,7 @@ pub fn run(
     scene: &Path,
     options: &Options,
     progress: &Progress,
-) -> Result<Vec<PathBuf>, RunError> {
+) -> Result<Finished, RunError> {
     let file = SceneFile::read(scene)?;
     kind_of(table, &file)?.run_file(&file, options, progress)
 }
@@ -122,7 +150,7 @@ pub fn run_on_ranks(
     options: &Options,
     progress: &Progress,
     ranks: &dyn Ranks,
-) -> Result<Vec<PathBuf>, RunError> {
+) -> Result<Finished, RunError> {
     let file = SceneFile::read(scene)?;
     kind_of(table, &file)?.run_file_on(&file, options, progress, Some(ranks))
 }
@@ -181,6 +209,9 @@ mod tests {
     use serde::Deserialize;
 
     use super::*;
+    use crate::answers::{Answer, AnswerValue, Number, Statistic};
+    use crate::report::Report;
+    use crate::result_file::ResultFile;
     use crate::scene::{Scene, WrongKey, read_keys};
 
     #[derive(Deserialize, JsonSchema)]
@@ -194,7 +225,7 @@ mod tests {
     impl Scene for Decay {
         type Built = ();
 
-        fn from_keys(keys: &serde_json::Value) -> Result<Self, WrongKey> {
+        fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
             read_keys(keys)
         }
 
@@ -216,17 +247,21 @@ mod tests {
             if scene.rate > 10.0 {
                 return Err(RunError::solver(std::io::Error::other("too stiff")));
             }
-            let path = run.out().join("result.json");
-            crate::output::write_json(&path, &serde_json::json!({ "final": (-scene.rate).exp() }))?;
-            Ok(vec![path])
+            let number = Number::sampled((-scene.rate).exp(), None);
+            let last = AnswerValue::of(number);
+            let answer = Answer::new("final".into(), "final".into(), Statistic::Mean, last);
+            let answers = Answers { cpu_seconds: 0.0, list: vec![answer] };
+            Completed::here(run, answers, || {
+                let result = ResultFile::new("decay/1", &file.keys(), &number)?;
+                let (files, drawings, motions) = (Vec::new(), Vec::new(), Vec::new());
+                Ok(Output { result, files, drawings, motions, report: Report::default() })
+            })
         },
         ladder: |_| Err(RunError::NoKinds),
-        quantities: |_| Vec::new(),
-        findings: |_| Ok(Findings::default()),
         ingredients: |_| Vec::new(),
     }];
 
-    fn run_text(text: &str) -> Result<Vec<PathBuf>, RunError> {
+    fn run_text(text: &str) -> Result<Finished, RunError> {
         use std::sync::atomic::{AtomicUsize, Ordering};
         static NEXT: AtomicUsize = AtomicUsize::new(0);
         let next = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -235,8 +270,8 @@ mod tests {
         let scene = folder.join("scene.json");
         std::fs::write(&scene, text).unwrap();
         let result = run(&TABLE, &scene, &Options::new(folder.join("out")), &Progress::silent());
-        if let Ok(paths) = &result {
-            assert!(paths.iter().all(|path| path.exists()));
+        if let Ok(finished) = &result {
+            assert!(finished.files.iter().all(|path| path.exists()));
         }
         std::fs::remove_dir_all(&folder).unwrap();
         result
@@ -244,7 +279,16 @@ mod tests {
 
     #[test]
     fn a_scene_is_run_by_its_kind() {
-        assert_eq!(run_text("{\"solver\": \"decay\", \"rate\": 1}").unwrap().len(), 1);
+        let text = "{\"solver\": \"decay\", \"rate\": 1}";
+        let Finished { files, found } = run_text(text).unwrap();
+        let names: Vec<_> = files.iter().filter_map(|path| path.file_name()).collect();
+        assert_eq!(names, ["result.json", "index.html"]);
+        let Found { answers, notes } = found.unwrap();
+        assert_eq!(notes.len(), 1);
+        // The answers without a folder are the same.
+        let file = SceneFile::from_text("decay", text.to_owned()).unwrap();
+        assert_eq!(TABLE[0].solve(&file, None, &Progress::silent()).unwrap(), answers);
+        assert!((answers.list[0].last.number.value - (-1f64).exp()).abs() < 1e-15);
     }
 
     #[test]

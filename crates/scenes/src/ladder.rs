@@ -2,8 +2,8 @@
 //!
 //! `advise`, `run --tolerance` and the charts of scenes use them.
 //!
-//! A scene kind defines how its methods are written into a scene and which quantities a result contains; this module
-//! knows no solver.
+//! A scene kind defines how its methods are written into a scene; what they answer is compared by id. This module knows no
+//! solver.
 
 mod built_in;
 mod trial;
@@ -12,10 +12,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 pub use self::built_in::{BuiltIn, BuiltInError};
-pub use self::trial::{
-    LadderError, Limits, Outcome, Trial, climb, is_next_beyond, read_answer, repeated_costs,
-    try_rung, try_scene,
-};
+pub use self::trial::{Limits, Outcome, Trial, climb, is_next_beyond, try_scene};
 
 /// A scene and the methods that solve it.
 pub struct Ladder {
@@ -75,30 +72,6 @@ pub enum Standing {
     Judge,
     /// A method compared with others and with itself.
     Judged,
-}
-
-/// A quantity of a result at the last time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Quantity {
-    /// Id, e.g. `moment/2-0`.
-    pub id: String,
-    /// Symbol or description, e.g. `E[q^2]`.
-    pub words: String,
-    /// The value.
-    pub value: f64,
-    /// Error estimate of the run: two standard errors of sampled values.
-    pub error: Option<f64>,
-    /// Scale of its errors: its magnitude, or that of terms that cancel in it.
-    pub scale: f64,
-}
-
-/// Result of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
-    /// CPU time of all threads (s).
-    pub cpu_seconds: f64,
-    /// Quantities.
-    pub quantities: Vec<Quantity>,
 }
 
 /// A scene as its top-level keys.
@@ -181,14 +154,6 @@ impl Rung {
     ) -> Option<Self> {
         let (scene, trial) = (keys(scene).ok()?, keys(trial).ok()?);
         Some(Self { size, label, scene, trial, choice: keys(choice).ok()? })
-    }
-}
-
-impl Answer {
-    /// The quantity with this id.
-    #[must_use]
-    pub fn get(&self, id: &str) -> Option<&Quantity> {
-        self.quantities.iter().find(|quantity| quantity.id == id)
     }
 }
 

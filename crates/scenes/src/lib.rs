@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod advise;
+pub mod answers;
 #[cfg(feature = "fpk")]
 pub mod building;
 mod built_in;
@@ -11,7 +12,6 @@ pub mod cli;
 pub mod clock;
 #[cfg(feature = "peridyn")]
 pub mod crack_inference;
-pub mod findings;
 #[cfg(feature = "fpk")]
 pub mod fpk;
 pub mod interrupt;
@@ -26,18 +26,21 @@ mod page;
 mod path_blocks;
 #[cfg(feature = "peridyn")]
 pub mod peridyn;
-pub mod run_result;
+pub mod report;
+pub mod result_file;
 pub mod scene;
 pub mod schema;
 #[cfg(feature = "smpm")]
 pub mod smpm;
 mod solve;
+#[cfg(any(feature = "fpk", feature = "smpm", feature = "peridyn"))]
+mod sources;
 
+pub use self::answers::{Answer, Answers};
 pub use self::built_in::ALL;
 pub use self::kind::{
-    BlockRecord, BlocksLeft, Cut, Inputs, JobRecord, Options, PageFile, Part, Place, Progress, Run,
-    RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
+    BlockRecord, BlocksLeft, Cut, Finished, Found, Inputs, JobRecord, Options, Part, Place,
+    Progress, Run, RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
 };
-pub use self::ladder::{Answer, Quantity};
 pub use self::scene::SceneFile;
-pub use self::solve::{SolveError, solve};
+pub use self::solve::solve;

@@ -1,131 +1,109 @@
 //! Writes the page of a run next to its results.
-#![cfg_attr(
-    not(all(feature = "fpk", feature = "smpm", feature = "peridyn")),
-    allow(dead_code, reason = "each solver uses it")
-)]
 
 use std::path::{Path, PathBuf};
 
-use result_pages::{Motion, Page};
+use result_pages::{Motion, Note, Page};
 use serde_json::Value;
 
-use crate::kind::{PageFile, Run, RunError, SceneKind};
+use crate::answers::Answers;
+use crate::kind::RunError;
 use crate::output::{OutputError, write_text};
+use crate::report::Report;
+use crate::result_file::{ResultFile, VERSION};
 use crate::scene::SceneFile;
 use crate::schema::scene_keys;
 
 /// Name of the page.
 pub(crate) const NAME: &str = "index.html";
 
-/// Writes `index.html` from the `result.json` of a run, with its moving fields; returns its path, unless no page is wanted.
+/// What the page of a run is made of.
+pub(crate) struct Content<'a> {
+    pub(crate) solver: &'static str,
+    /// Schema of the scenes of the solver.
+    pub(crate) schema: &'a Value,
+    pub(crate) answers: &'a Answers,
+    /// Warnings and remarks, those on answers included.
+    pub(crate) notes: Vec<Note>,
+    pub(crate) report: Report,
+    pub(crate) motions: Vec<Motion>,
+    pub(crate) result: &'a ResultFile,
+    /// Files of the run.
+    pub(crate) written: &'a [PathBuf],
+}
+
+/// Writes `index.html` into a folder; returns its path.
 ///
 /// # Errors
-/// [`RunError::Output`] for files that cannot be read or written; [`RunError::Page`] for content that a page cannot show.
+/// [`RunError::Output`] for a file that cannot be written; [`RunError::Page`] for content that a page cannot show.
 pub(crate) fn write(
-    kind: &SceneKind,
     file: &SceneFile,
-    run: &Run<'_>,
-    motions: Vec<Motion>,
-    written: &[PathBuf],
-) -> Result<Option<PathBuf>, RunError> {
-    if run.page() == PageFile::Omit {
-        return Ok(None);
-    }
-    let result = read(&run.out().join("result.json"))?;
-    let page = page(kind, file, &result, motions, (run.out(), written))?;
-    let html = result_pages::render(&page).map_err(RunError::page)?;
-    let path = run.out().join(NAME);
-    write_text(&path, &html).map_err(|source| OutputError::Io { path: path.clone(), source })?;
-    Ok(Some(path))
-}
-
-fn read(path: &Path) -> Result<Value, RunError> {
-    let refused = |source| OutputError::Io { path: path.to_owned(), source };
-    let text = std::fs::read_to_string(path).map_err(refused)?;
-    serde_json::from_str(&text).map_err(RunError::page)
-}
-
-fn page(
-    kind: &SceneKind,
-    file: &SceneFile,
-    result: &Value,
-    motions: Vec<Motion>,
-    (out, written): (&Path, &[PathBuf]),
-) -> Result<Page, RunError> {
-    let found = (kind.findings)(result).map_err(RunError::page)?;
-    let scene = &result["scene"];
-    let mut keys = scene_keys(kind, scene, file.keys()).map_err(RunError::page)?;
+    content: Content<'_>,
+    folder: &Path,
+) -> Result<PathBuf, RunError> {
+    let Content { solver, schema, answers, notes, report, motions, result, written } = content;
+    let mut keys =
+        scene_keys(solver, schema, &result.scene, file.keys()).map_err(RunError::page)?;
     for key in &mut keys {
-        key.unit = unit_words(&key.unit, scene);
+        key.unit = unit_words(&key.unit, &report.units);
     }
-    let relative = |path: &PathBuf| path.strip_prefix(out).unwrap_or(path).display().to_string();
-    Ok(Page {
-        title: scene["title"].as_str().unwrap_or(kind.solver).to_owned(),
-        solver: kind.solver.to_owned(),
-        notes: found.notes,
-        answers: found.answers,
-        n_more: found.n_more,
+    let inside = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).display().to_string();
+    let page = Page {
+        title: result.scene["title"].as_str().unwrap_or(solver).to_owned(),
+        solver: solver.to_owned(),
+        notes,
+        answers: answers.headlines().map(crate::Answer::shown).collect(),
         motions,
-        absent: found.absent,
-        charts: found.charts,
-        tables: found.tables,
-        facts: found.facts,
+        absent: report.absent,
+        charts: report.charts,
+        tables: report.tables,
+        facts: report.facts,
         scene: keys,
-        sources: found.sources,
-        files: written.iter().map(relative).collect(),
+        sources: report.sources,
+        files: written.iter().map(inside).collect(),
         origin: origin(result),
-    })
+    };
+    let html = result_pages::render(&page).map_err(RunError::page)?;
+    let path = folder.join(NAME);
+    write_text(&path, &html).map_err(|source| OutputError::Io { path: path.clone(), source })?;
+    Ok(path)
 }
 
 /// Version, commit and machine of a result, in a line.
-fn origin(result: &Value) -> String {
-    let word = |pointer: &str| match result.pointer(pointer) {
-        Some(Value::String(text)) => text.clone(),
-        Some(Value::Null) | None => "unknown".to_owned(),
-        Some(other) => other.to_string(),
-    };
+fn origin(result: &ResultFile) -> String {
+    let machine = &result.machine;
+    let load = machine.load_average.map_or_else(|| "unknown".to_owned(), |load| load.to_string());
     format!(
-        "scenes {}, commit {}; {}, {} of {} cores, load {}, {} ({})",
-        word("/version"),
-        word("/commit"),
-        word("/machine/cpu"),
-        word("/machine/threads"),
-        word("/machine/cores"),
-        word("/machine/load_average"),
-        word("/machine/os"),
-        word("/machine/arch"),
+        "scenes {VERSION}, commit {}; {}, {} of {} cores, load {load}, {} ({})",
+        result.commit.as_deref().unwrap_or("unknown"),
+        machine.cpu.as_deref().unwrap_or("unknown"),
+        machine.threads,
+        machine.cores,
+        machine.os,
+        machine.arch,
     )
 }
 
 /// A unit that names the key `units` of the scene, in these units: `cm/us` for `length/time of units`.
-fn unit_words(unit: &str, scene: &Value) -> String {
-    #[cfg(feature = "smpm")]
-    if let Some(words) = unit.strip_suffix(" of `units`") {
-        use serde::Deserialize;
-
-        use crate::smpm::scene::UnitsScene;
-
-        if let Ok(units) = UnitsScene::deserialize(&scene["units"]) {
-            let kinds = ["length", "time", "stress", "density", "velocity"];
-            let names = kinds.into_iter().zip(units.names());
-            return names.fold(words.to_owned(), |words, (kind, name)| words.replace(kind, name));
-        }
-    }
-    let _ = scene;
-    unit.to_owned()
+fn unit_words(unit: &str, units: &[(&str, &str)]) -> String {
+    let of_scene = unit.strip_suffix(" of `units`").filter(|_| !units.is_empty());
+    of_scene.map_or_else(
+        || unit.to_owned(),
+        |words| {
+            units.iter().fold(words.to_owned(), |words, (kind, name)| words.replace(kind, name))
+        },
+    )
 }
 
-#[cfg(all(test, feature = "smpm"))]
+#[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]
     fn a_unit_of_the_scene_is_written_out() {
-        let scene = json!({ "units": "cm_g_us" });
-        assert_eq!(unit_words("length/time^2 of `units`", &scene), "cm/us^2");
-        assert_eq!(unit_words("stress of `units`", &scene), "Mbar");
-        assert_eq!(unit_words("1/s", &scene), "1/s");
+        let units = [("length", "cm"), ("time", "us"), ("stress", "Mbar")];
+        assert_eq!(unit_words("length/time^2 of `units`", &units), "cm/us^2");
+        assert_eq!(unit_words("stress of `units`", &units), "Mbar");
+        assert_eq!(unit_words("1/s", &units), "1/s");
+        assert_eq!(unit_words("stress of `units`", &[]), "stress of `units`");
     }
 }

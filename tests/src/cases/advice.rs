@@ -2,7 +2,7 @@
 
 use result_figures::Measured;
 use scenes::advise::{Advice, Candidate, Options, from_trials};
-use scenes::ladder::{BuiltIn, Trial, is_next_beyond, try_rung};
+use scenes::ladder::{BuiltIn, Trial, is_next_beyond, try_scene};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
@@ -62,7 +62,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 fn tally(scene: &BuiltIn, tally: &mut Tally) -> Result<(), CaseError> {
     let [short, long] = BUDGETS;
-    let trials = scene.trials(long, |_, _| {})?;
+    let trials = scene.trials(long, |_, _| {});
     for tolerance in TOLERANCES {
         let options = Options { tolerance, budget: short, quantities: Vec::new() };
         let of = |trials: Vec<Trial>| from_trials(scene.ladder.clone(), trials, &options);
@@ -81,7 +81,7 @@ fn short_of(trials: &[Trial], budget: f64) -> Vec<Trial> {
     for trial in trials {
         let is_over = short.iter().any(|earlier| {
             earlier.method == trial.method
-                && earlier.answer().is_some_and(|answer| is_next_beyond(answer.cpu_seconds, budget))
+                && earlier.answers().is_some_and(|it| is_next_beyond(it.cpu_seconds, budget))
         });
         if !is_over {
             short.push(trial.clone());
@@ -118,9 +118,9 @@ fn judge_one(
     }
     let ladder = &scene.ladder;
     let Some(rung) = (ladder.methods[given.method].rung)(given.needed.size) else { return Ok(()) };
-    let ran = try_rung(scene.kind, &scene.file, given.method, rung)?;
-    let found = ran.answer().and_then(|answer| Some((answer.cpu_seconds, answer.get(&known.id)?)));
-    let error = found.map(|(_, found)| (found.value - known.value).abs() / known.scale);
+    let ran = try_scene(scene.kind, &scene.file, &rung.trial, None);
+    let found = ran.answers().and_then(|it| Some((it.cpu_seconds, it.get(&known.id)?)));
+    let error = found.map(|(_, found)| (found.last.number.value - known.value).abs() / known.scale);
     // What was sampled may be off by two standard errors and no more was promised.
     if error.is_none_or(|error| error > tolerance) {
         tally.too_rough += 1;

@@ -22,7 +22,6 @@ pub(crate) fn page() -> Page {
             Note::Remark("a remark".into()),
         ],
         answers: vec![answer("E[q^2]", SHOWN, Some(4.2e-4)), answer("P(|q| > 1.5)", 3.1e-5, None)],
-        n_more: 12,
         motions: vec![density(), bodies()],
         absent: vec!["Particles over time: `cloud` turns them on.".into()],
         charts: vec![chart(false), chart(true)],

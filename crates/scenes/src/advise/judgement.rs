@@ -1,7 +1,8 @@
 //! Best value of each quantity from all trials, and the error of each trial.
 
 use super::curve::{Curve, Point};
-use crate::ladder::{Growth, Ladder, Quantity, Standing, Trial};
+use crate::answers::{Answer, Statistic};
+use crate::ladder::{Growth, Ladder, Standing, Trial};
 
 /// Result of all trials for a quantity.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,6 +11,8 @@ pub struct Judgement {
     pub id: String,
     /// Description.
     pub words: String,
+    /// What of a random quantity it is.
+    pub statistic: Statistic,
     /// Value of the most accurate trial.
     pub value: f64,
     /// Error of that value.
@@ -38,9 +41,15 @@ struct Word<'t> {
     method: usize,
     size: f64,
     cost: f64,
-    quantity: &'t Quantity,
+    answer: &'t Answer,
     /// Its error; none where the run gives no estimate.
     error: Option<f64>,
+}
+
+impl Word<'_> {
+    const fn value(&self) -> f64 {
+        self.answer.last.number.value
+    }
 }
 
 /// Compares the trials of all methods; `None` if no trial has an error estimate.
@@ -61,13 +70,13 @@ pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     let known = words.iter().filter(|word| may_be_best(ladder, word.method));
     let known = known.filter_map(|word| Some((word, word.error?)));
     let (best, error) = known.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let Quantity { words: name, value, .. } = best.quantity;
+    let (name, value) = (&best.answer.words, best.value());
     // Scale of the most accurate trial: an inaccurate one has the wrong scale too.
-    let scale = best.quantity.scale;
+    let scale = best.answer.scale;
     let curve = |method: usize| {
         let of_method = words.iter().filter(|word| word.method == method);
         let points = of_method.map(|word| {
-            let off = (word.quantity.value - value).abs();
+            let off = (word.value() - value).abs();
             let (own, excess) = match word.error {
                 Some(own) => (own, (off - error - own).max(0.0)),
                 None => (0.0, off + error),
@@ -79,7 +88,8 @@ pub fn judge(ladder: &Ladder, trials: &[Trial], id: &str) -> Option<Judgement> {
     };
     let curves = (0..ladder.methods.len()).map(curve).collect();
     let (id, words) = (id.to_owned(), name.clone());
-    Some(Judgement { id, words, value: *value, error, scale, best: best.trial, curves })
+    let statistic = best.answer.statistic;
+    Some(Judgement { id, words, statistic, value, error, scale, best: best.trial, curves })
 }
 
 /// Whether a method may be the most accurate.
@@ -92,15 +102,15 @@ fn may_be_best(ladder: &Ladder, method: usize) -> bool {
 
 fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<Word<'t>> {
     let word = |(place, trial): (usize, &'t Trial)| {
-        let answer = trial.answer()?;
-        let quantity = answer.get(id)?;
+        let answers = trial.answers()?;
+        let answer = answers.get(id)?;
         Some(Word {
             trial: place,
             method: trial.method,
             size: trial.rung.size,
-            cost: answer.cpu_seconds,
-            quantity,
-            error: quantity.error,
+            cost: answers.cpu_seconds,
+            answer,
+            error: answer.margin(),
         })
     };
     let mut words: Vec<Word<'_>> = trials.iter().enumerate().filter_map(word).collect();
@@ -131,7 +141,7 @@ fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
     let largest = |method: usize| {
         // Results are in the order of their sizes.
         let word = words.iter().rev().find(|word| word.method == method)?;
-        Some((word.quantity.value, word.error?))
+        Some((word.value(), word.error?))
     };
     let judges = (0..ladder.methods.len()).filter(|&method| standing(method) == Standing::Judge);
     let judges: Vec<(f64, f64)> = judges.filter_map(largest).collect();
@@ -140,9 +150,10 @@ fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
             // Its own estimate covers only scatter.
             continue;
         }
+        let own = word.value();
         let Some(error) = &mut word.error else { continue };
         for (value, judges_error) in &judges {
-            *error = error.max((word.quantity.value - value).abs() - 2.0 * judges_error);
+            *error = error.max((own - value).abs() - 2.0 * judges_error);
         }
     }
 }
@@ -152,7 +163,8 @@ mod tests {
     use serde_json::Map;
 
     use super::*;
-    use crate::ladder::{Answer, Method, Outcome, Rung};
+    use crate::answers::{AnswerValue, Answers, ErrorOrigin, Number};
+    use crate::ladder::{Method, Outcome, Rung};
 
     fn method(growth: Growth) -> Method {
         let standing = if growth == Growth::Samples { Standing::Judge } else { Standing::Judged };
@@ -168,10 +180,11 @@ mod tests {
     fn trial(method: usize, size: f64, value: f64, error: Option<f64>) -> Trial {
         let none = Map::new();
         let rung = Rung::new((size, String::new()), &none, &none, &none).unwrap();
-        let quantity =
-            Quantity { id: "a".into(), words: "a".into(), value, error, scale: value.abs() };
-        let answer = Answer { cpu_seconds: size, quantities: vec![quantity] };
-        Trial { method, rung, outcome: Outcome::Answered(answer) }
+        let error_kind = ErrorOrigin::TwoResolutions;
+        let last = AnswerValue::of(Number { value, error, error_kind });
+        let answer = Answer::new("a".into(), "a".into(), Statistic::Mean, last);
+        let answers = Answers { cpu_seconds: size, list: vec![answer] };
+        Trial { method, rung, outcome: Outcome::Answered(answers) }
     }
 
     #[test]

@@ -95,11 +95,11 @@ fn charts(advice: &Advice) -> Vec<Chart> {
         .collect();
     for trial in &advice.trials {
         let largest = errors(advice, trial).into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        let Some(((y, q), answer)) = largest.zip(trial.answer()) else { continue };
-        if answer.cpu_seconds > 0.0 && y.is_finite() {
+        let Some(((y, q), answers)) = largest.zip(trial.answers()) else { continue };
+        if answers.cpu_seconds > 0.0 && y.is_finite() {
             let how = format!("in {}", advice.judgements[q].words);
             let point =
-                Point { x: answer.cpu_seconds, y, error: None, bound: None, how, spread: None };
+                Point { x: answers.cpu_seconds, y, error: None, bound: None, how, spread: None };
             series[trial.method].points.push(point);
         }
     }
@@ -146,7 +146,7 @@ fn cell(text: String) -> Cell {
 fn facts(advice: &Advice) -> Vec<Fact> {
     let fact = |name: &str, text: String| Fact { name: name.to_owned(), text };
     let seconds: f64 =
-        advice.trials.iter().filter_map(|it| it.answer()).map(|it| it.cpu_seconds).sum();
+        advice.trials.iter().filter_map(|it| it.answers()).map(|it| it.cpu_seconds).sum();
     vec![
         fact("tolerance", format!("{} of each value", percent(advice.options.tolerance))),
         fact("budget of a trial", format!("{} CPU s", short(Some(advice.options.budget)))),

@@ -7,8 +7,8 @@ use result_figures::number::short;
 use serde_json::Value;
 
 use super::{Advice, AdviseError, Options, Tried, Unreached, advise_on};
-use crate::kind::{self, Progress, SceneKind, kind_of};
-use crate::ladder::{Quantity, read_answer};
+use crate::answers::{Answer, Role};
+use crate::kind::{self, Found, Progress, RunError, SceneKind, kind_of};
 use crate::scene::SceneFile;
 
 /// A run to a tolerance.
@@ -18,8 +18,10 @@ pub struct Within {
     pub files: Vec<PathBuf>,
     /// Name of the method with its size.
     pub label: String,
-    /// Selected quantities whose error is smaller than their scale, with the run's own error estimates.
-    pub quantities: Vec<Quantity>,
+    /// What the run found.
+    pub found: Found,
+    /// Selected answers whose error is smaller than their scale in the trials, with the run's own error estimates.
+    pub judged: Vec<Answer>,
 }
 
 impl Within {
@@ -30,11 +32,10 @@ impl Within {
     }
 
     /// Largest error over its scale, with its quantity. A quantity without an error counts as infinite.
-    fn largest(&self) -> Option<(f64, &Quantity)> {
-        let relative = |quantity: &Quantity| {
-            quantity.error.map_or(f64::INFINITY, |error| error / quantity.scale)
-        };
-        let all = self.quantities.iter().map(|quantity| (relative(quantity), quantity));
+    fn largest(&self) -> Option<(f64, &Answer)> {
+        let relative =
+            |answer: &Answer| answer.margin().map_or(f64::INFINITY, |error| error / answer.scale);
+        let all = self.judged.iter().map(|answer| (relative(answer), answer));
         all.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
@@ -59,14 +60,15 @@ pub fn run_within(
     let label = advice.ladder.methods[best.method].at(&rung.label);
     progress.stage(&label);
     let refined = file.with_keys(Value::Object(rung.scene));
-    let files = kind.run_file(&refined, options, progress)?;
-    let judged: Vec<&str> = (0..advice.judgements.len())
-        .filter(|&q| advice.is_known(q))
-        .map(|q| advice.judgements[q].id.as_str())
-        .collect();
-    let mut quantities = read_answer(kind, &options.out)?.quantities;
-    quantities.retain(|quantity| judged.contains(&quantity.id.as_str()));
-    Ok(Within { files, label, quantities })
+    let kind::Finished { files, found } = kind.run_file(&refined, options, progress)?;
+    let found = found.ok_or(RunError::NoShards)?;
+    let is_judged = |answer: &&Answer| {
+        answer.role != Role::Shown
+            && (0..advice.judgements.len())
+                .any(|q| advice.is_known(q) && advice.judgements[q].id == answer.id)
+    };
+    let judged = found.answers.list.iter().filter(is_judged).cloned().collect();
+    Ok(Within { files, label, found, judged })
 }
 
 /// The quantity with the largest error, and the reason.
@@ -99,7 +101,7 @@ pub fn print_within(
     wanted: &Options,
     output: &mut dyn Write,
 ) -> Result<(), AdviseError> {
-    let Some((error, quantity)) = within.largest() else { return Ok(()) };
+    let Some((error, answer)) = within.largest() else { return Ok(()) };
     let verdict = if error <= wanted.tolerance { "within" } else { "NOT within" };
     writeln!(
         output,
@@ -107,7 +109,7 @@ pub fn print_within(
         within.label,
         wanted.tolerance,
         short(Some(error)),
-        quantity.words
+        answer.words
     )
     .map_err(AdviseError::Write)
 }

@@ -52,9 +52,9 @@ pub(super) fn tried_rows(advice: &Advice) -> (Vec<String>, Vec<Vec<String>>) {
                     String::new(),
                 ]);
             }
-            Outcome::Answered(answer) => {
+            Outcome::Answered(answers) => {
                 let worst = worst(advice, trial);
-                row.push(short(Some(answer.cpu_seconds)));
+                row.push(short(Some(answers.cpu_seconds)));
                 row.push(n_within(advice, trial));
                 row.push(worst.as_ref().map_or_else(String::new, |(error, _)| percent(*error)));
                 row.push(worst.map_or_else(String::new, |(_, words)| words));

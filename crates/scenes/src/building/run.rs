@@ -14,18 +14,18 @@ use vibrating_systems::ShearBuilding;
 
 use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;
+use crate::answers::Unknown;
 use crate::clock::CpuClock;
-use crate::findings::Findings;
 use crate::fpk::run::observed::Observed;
-use crate::fpk::run::record::{Content, Series, WorkRecord};
-use crate::kind::{Inputs, Run, RunError, SceneKind};
+use crate::fpk::run::record::{Content, Probability, Quantity, Series, WorkRecord};
+use crate::fpk::run::{answers, findings};
+use crate::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
-use crate::output::write_drawing;
-use crate::page;
 use crate::path_blocks::{Computed, PathBlocks};
-use crate::run_result::{RunResult, Unknown};
+use crate::result_file::ResultFile;
 use crate::scene::SceneFile;
+use crate::sources::{AU_BECK_2001, GIRSANOV_1960, MACKE_2003};
 
 pub(crate) const KIND: SceneKind = SceneKind {
     solver: "random-vibration",
@@ -33,8 +33,6 @@ pub(crate) const KIND: SceneKind = SceneKind {
     check: |file| file.parse::<PassageScene>().map(drop),
     run,
     ladder: ladder::ladder,
-    quantities: ladder::quantities,
-    findings,
     ingredients: |scene| edit::of(scene, ladder::ingredients),
 };
 
@@ -49,36 +47,38 @@ const UNMODELLED: f64 = 0.25;
 /// Times per fundamental period at which the feedback of a guide is computed.
 const FEEDBACKS: f64 = 30.0;
 
-fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+/// Why the page shows no field.
+const NO_FIELD: &str =
+    "This solver estimates probabilities from paths; it has no field over time to show.";
+
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let (mut scene, building) = run.build::<PassageScene>(file)?;
     let seed = Some(*scene.method.seed());
     let scene = &scene;
     let mut found = Passages::new(scene, &building);
     if let Some(elsewhere) = found.solve(run, &Inputs { scene, seed, files: &[] })? {
-        return Ok(elsewhere);
+        return Ok(Completed::Elsewhere(elsewhere));
     }
     for Unknown { what, reason } in &found.unknown {
         run.progress.stage(&format!("unknown: {what}: {reason}"));
     }
     let quantities = found.series();
-    let drawing = drawing(scene, &quantities)?;
     let Passages { path_steps, cpu_seconds, unknown, .. } = found;
     let work = WorkRecord { path_steps, cpu_seconds, ..WorkRecord::default() };
-    let content = Content { seed, work, stopped: None, unknown, quantities };
-    let mut written = vec![RunResult::new("run-result/1", scene, content).write(run.out())?];
-    if let Some(drawing) = drawing {
-        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
-    }
-    written.extend(page::write(&KIND, file, run, Vec::new(), &written)?);
-    Ok(written)
-}
-
-/// First passages are of paths, which leave no field.
-fn findings(result: &serde_json::Value) -> Result<Findings, serde_json::Error> {
-    let mut found = crate::fpk::run::findings::findings(result)?;
-    let text = "This solver estimates probabilities from paths; it has no field over time to show.";
-    found.absent.push(text.to_owned());
-    Ok(found)
+    let answers = answers::answers(&quantities, &work);
+    Completed::here(run, answers, || {
+        let drawings = drawing(scene, &quantities)?.into_iter().collect();
+        let content = Content { seed, work, stopped: None, unknown, quantities };
+        let sources: &[_] = match scene.method {
+            BuildingMethod::GuidedPaths { .. } => &[GIRSANOV_1960, MACKE_2003],
+            BuildingMethod::MonteCarlo { .. } => &[],
+            BuildingMethod::SubsetSimulation { .. } => &[AU_BECK_2001],
+        };
+        let mut report = findings::report(&content, &scene.method, sources);
+        report.absent.push(NO_FIELD.to_owned());
+        let result = ResultFile::new("run-result/1", scene, &content)?;
+        Ok(Output { result, files: Vec::new(), drawings, motions: Vec::new(), report })
+    })
 }
 
 /// First passages of a scene.
@@ -242,8 +242,8 @@ impl<'a> Passages<'a> {
             || "largest drift of all storeys".to_owned(),
             |storey| format!("largest drift of storey {storey}"),
         );
-        let of_threshold = |(threshold, values): (&f64, &mut Vec<Observed>)| Series {
-            id: format!("first-passage/{threshold}"),
+        let of_threshold = |(&threshold, values): (&f64, &mut Vec<Observed>)| Series {
+            of: Quantity::Probability { by: Probability::FirstPassage, threshold },
             quantity: format!("P({demand} > {threshold})"),
             unit: String::new(),
             values: std::mem::take(values),

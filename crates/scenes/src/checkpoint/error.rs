@@ -30,6 +30,9 @@ pub enum CheckpointError {
         /// The last checkpoint.
         path: PathBuf,
     },
+    /// A signal ended a run without a folder.
+    #[error("interrupted; nothing of the run is kept")]
+    NotKept,
     /// The content of a part does not match its name.
     #[error("the part `{name}` of the checkpoint is invalid")]
     Part {

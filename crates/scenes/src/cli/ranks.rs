@@ -34,9 +34,9 @@ pub(super) fn run_alone(
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
     let progress = Progress::on_stderr();
-    let written = kind::run_on_ranks(ALL, scene, options, &progress, &Alone);
+    let finished = kind::run_on_ranks(ALL, scene, options, &progress, &Alone);
     progress.finish();
-    summary::print(&written?, ending, output)
+    summary::print_finished(&finished?, ending, output)
 }
 
 /// Runs a scene together with the other ranks. An error on one rank aborts all of them; the function does not return.
@@ -56,10 +56,10 @@ pub(super) fn run_scene(
         World::start().map_err(|error| miette::Report::from_err(error).wrap_err(started))?;
     let is_first = world.rank() == 0;
     let progress = if is_first { Progress::on_stderr() } else { Progress::silent() };
-    let written = kind::run_on_ranks(ALL, scene, options, &progress, &world);
+    let finished = kind::run_on_ranks(ALL, scene, options, &progress, &world);
     progress.finish();
-    match written {
-        Ok(written) => summary::print(&written, ending, output),
+    match finished {
+        Ok(finished) => summary::print_finished(&finished, ending, output),
         Err(error) => {
             // The other ranks reject what rank 0 rejects, or receive no message.
             if is_first {

@@ -2,16 +2,13 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use result_figures::number::counted;
-use result_pages::{Answer, Note};
-use serde_json::Value;
+use result_pages::Note;
 
-use crate::built_in::ALL;
-use crate::findings::Findings;
-use crate::kind::KIND_KEY;
+use crate::kind::{Finished, Found};
 
 /// What a run prints at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,44 +19,40 @@ pub(super) enum Ending {
     Paths,
 }
 
-/// Prints what was found and written. A shard, or a rank without results, has paths alone.
-pub(super) fn print(
-    written: &[PathBuf],
+/// Prints what a run has found and written.
+pub(super) fn print_finished(
+    finished: &Finished,
     ending: Ending,
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
-    let result = written.iter().find(|path| path.ends_with("result.json"));
-    let found =
-        result.filter(|_| ending == Ending::Answers).and_then(|path| Some((path, findings(path)?)));
-    let text = match found {
-        Some((path, found)) => summary(&found, path, written),
-        None => written
-            .iter()
-            .fold(String::new(), |text, path| text + &path.display().to_string() + "\n"),
+    print(&finished.files, finished.found.as_ref(), ending, output)
+}
+
+/// Prints what was found and written. A shard, or a rank without results, has paths alone.
+pub(super) fn print(
+    files: &[PathBuf],
+    found: Option<&Found>,
+    ending: Ending,
+    output: &mut dyn Write,
+) -> miette::Result<ExitCode> {
+    let text = match found.filter(|_| ending == Ending::Answers) {
+        Some(found) => summary(found, files),
+        None => {
+            files.iter().fold(String::new(), |text, path| text + &path.display().to_string() + "\n")
+        }
     };
     output.write_all(text.as_bytes()).map_err(miette::Report::from_err)?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// What a result found; none for a result that cannot be read, whose files are then listed.
-fn findings(path: &Path) -> Option<Findings> {
-    let result: Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
-    let solver = result["scene"][KIND_KEY].as_str()?;
-    let kind = ALL.iter().find(|kind| kind.solver == solver)?;
-    (kind.findings)(&result).ok()
-}
-
-fn summary(found: &Findings, result: &Path, written: &[PathBuf]) -> String {
-    let row = |answer: &Answer| {
+fn summary(found: &Found, written: &[PathBuf]) -> String {
+    let row = |answer: result_pages::Answer| {
         let at = if answer.at.is_empty() { String::new() } else { format!(", {}", answer.at) };
         let unit = if answer.unit.is_empty() { String::new() } else { format!(" {}", answer.unit) };
-        [
-            format!("{}{at}", answer.quantity),
-            format!("{}{unit}", answer.value_and_error()),
-            answer.how.clone(),
-        ]
+        let value = format!("{}{unit}", answer.value_and_error());
+        [format!("{}{at}", answer.quantity), value, answer.how]
     };
-    let rows: Vec<[String; 3]> = found.answers.iter().map(row).collect();
+    let rows: Vec<[String; 3]> = found.answers.headlines().map(|it| row(it.shown())).collect();
     let width =
         |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
     let (first, second) = (width(0), width(1));
@@ -79,14 +72,10 @@ fn summary(found: &Findings, result: &Path, written: &[PathBuf]) -> String {
         let _ =
             writeln!(text, "and {} on the page", counted(notes.len() - MOST_NOTES, "more note"));
     }
-    let page = written.iter().find(|path| path.ends_with("index.html"));
-    let shown = page.map_or(result, PathBuf::as_path);
-    let more = match found.n_more {
-        0 => String::new(),
-        n => format!(" with {}", counted(n, "more value")),
-    };
-    let others = counted(written.len() - 1, "file");
-    let _ = writeln!(text, "written: {}{more}, in a folder with {others} more", shown.display());
+    if let Some(page) = written.last() {
+        let others = counted(written.len() - 1, "file");
+        let _ = writeln!(text, "written: {}, in a folder with {others} more", page.display());
+    }
     text
 }
 
@@ -96,48 +85,34 @@ const MOST_NOTES: usize = 2;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::answers::{Answer, AnswerValue, Answers, Number, Role, Statistic};
 
-    fn answer(quantity: &str, error: Option<f64>) -> Answer {
-        Answer {
-            quantity: quantity.to_owned(),
-            at: "t = 10 s".to_owned(),
-            value: 0.0412345,
-            error,
-            bound: None,
-            unit: "m".to_owned(),
-            how: "standard error of the samples".to_owned(),
-        }
-    }
-
-    #[test]
-    fn a_bound_is_printed_in_place_of_a_value_and_its_error() {
-        let bound = Answer { bound: Some(4.2e-7), ..answer("P(|q| > 2)", Some(2.5e-7)) };
-        let found = Findings { answers: vec![bound], ..Findings::default() };
-        let written = [PathBuf::from("out/result.json")];
-        let text = summary(&found, &written[0], &written);
-        assert!(text.starts_with("P(|q| > 2), t = 10 s  < 4.2e-7 m  "), "{text}");
+    fn answer(words: &str, error: Option<f64>) -> Answer {
+        let last = AnswerValue::at(10.0, Number::sampled(0.0412345, error));
+        let answer = Answer::new(words.to_owned(), words.to_owned(), Statistic::Mean, last);
+        Answer { unit: "m".to_owned(), time_unit: "s", role: Role::Headline, ..answer }
     }
 
     #[test]
     fn answers_come_with_errors_then_warnings_then_the_page() {
-        let found = Findings {
-            answers: vec![answer("E[q]", Some(1.2e-3)), answer("longer", None)],
-            n_more: 5,
+        let further = Answer { role: Role::Compared, ..answer("E[q^2]", None) };
+        let list = vec![answer("E[q]", Some(1.2e-3)), answer("longer", None), further];
+        let found = Found {
+            answers: Answers { cpu_seconds: 1.0, list },
             notes: vec![
                 Note::Remark("b".into()),
                 Note::Warning("a".into()),
                 Note::Remark("b".into()),
             ],
-            ..Findings::default()
         };
-        let written = ["out/result.json", "out/index.html", "out/a.svg"].map(PathBuf::from);
-        let text = summary(&found, &written[0], &written);
+        let written = ["out/result.json", "out/a.svg", "out/index.html"].map(PathBuf::from);
+        let text = summary(&found, &written);
         let expected = "\
 E[q], t = 10 s    0.0412 ± 0.0012 m  standard error of the samples
-longer, t = 10 s  0.0412345 m        standard error of the samples
+longer, t = 10 s  0.0412345 m        no error estimate
 warning: a
 note: b
-written: out/index.html with 5 more values, in a folder with 2 files more
+written: out/index.html, in a folder with 2 files more
 ";
         assert_eq!(text, expected);
     }
@@ -145,7 +120,7 @@ written: out/index.html with 5 more values, in a folder with 2 files more
     #[test]
     fn without_a_result_the_paths_are_printed() {
         let mut output = Vec::new();
-        print(&["out/shard-1-of-2.bin".into()], Ending::Answers, &mut output).unwrap();
+        print(&["out/shard-1-of-2.bin".into()], None, Ending::Answers, &mut output).unwrap();
         assert_eq!(output, b"out/shard-1-of-2.bin\n");
     }
 }

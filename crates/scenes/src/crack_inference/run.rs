@@ -4,15 +4,13 @@
 //! Ensembles are those of the plate's own scene. They do not depend on the measured plates: a finished run in a folder serves
 //! other data, summaries, priors and samplers with `--resume`.
 
+mod answers;
 mod ensembles;
 mod findings;
 mod pictures;
 mod posterior_record;
 mod predictive;
-mod quantities;
 mod record;
-
-use std::path::PathBuf;
 
 use peridyn_sde::Error;
 use peridyn_sde::inference::{
@@ -30,10 +28,8 @@ use super::measured::{Measured, errors, observations};
 use super::plate::{PlateError, PlateModel};
 use super::scene::{DesignScene, InferenceScene, LoadScene};
 use crate::clock::CpuClock;
-use crate::kind::{Inputs, Part, Run, RunError, SceneKind};
-use crate::output::write_drawing;
-use crate::page;
-use crate::run_result::RunResult;
+use crate::kind::{Completed, Inputs, Output, Part, Run, RunError, SceneKind};
+use crate::result_file::ResultFile;
 use crate::scene::{Objection, SceneFile};
 
 /// The value of `solver`.
@@ -51,8 +47,6 @@ pub(crate) const KIND: SceneKind = SceneKind {
             reason: "the errors of a posterior are those of its model; `advise` takes the scene of the plate",
         })
     },
-    quantities: quantities::quantities,
-    findings: findings::findings,
     ingredients: |_| Vec::new(),
 };
 
@@ -90,7 +84,7 @@ fn unusable(point: String, source: Error) -> RunError {
     RunError::solver(Unusable { point, source })
 }
 
-fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     if *run.part() != Part::Whole {
         return Err(RunError::NoShards);
     }
@@ -112,13 +106,11 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
     };
     let ensembles = Ensembles { file, plate: &plate, checkpoint, progress: run.progress };
     let Some(of_design) = design(&inputs, &space, &ensembles, run)? else {
-        return Ok(Vec::new());
+        return Ok(Completed::Elsewhere(Vec::new()));
     };
     let study = Study { scene: &scene, space: &space, measured: &measured, of_plates: &of_plates };
     let content = study.run(&plate, &ensembles, (&of_design, run))?;
-    let mut written = study.write(&content, run)?;
-    written.extend(page::write(&KIND, file, run, Vec::new(), &written)?);
-    Ok(written)
+    Completed::here(run, answers::answers(&content), || study.output(&content))
 }
 
 /// Ensembles at the points of the design; none on ranks without the results.
@@ -294,7 +286,7 @@ impl Study<'_> {
         heights.chain(load).collect()
     }
 
-    fn write(&self, content: &Content, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+    fn output(&self, content: &Content) -> Result<Output, RunError> {
         let title = &self.scene.title;
         let each = (content.predictive.draws.len(), self.scene.predictive.realisations);
         let path = &content.predictive.path;
@@ -303,12 +295,9 @@ impl Study<'_> {
         for numbered in (1..).zip(&content.parameters) {
             drawings.push(pictures::marginal(title, numbered)?);
         }
-        let mut written =
-            vec![RunResult::new("crack-inference/1", self.scene, content).write(run.out())?];
-        for drawing in drawings {
-            written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
-        }
-        Ok(written)
+        let result = ResultFile::new("crack-inference/1", self.scene, content)?;
+        let report = findings::report(self.scene, content);
+        Ok(Output { result, files: Vec::new(), drawings, motions: Vec::new(), report })
     }
 }
 

@@ -1,10 +1,10 @@
 //! Runs a density scene: several resolutions for the error, or Monte Carlo with its standard error.
 
+pub(crate) mod answers;
 mod asked;
 pub(crate) mod findings;
 mod ingredients;
 mod ladder;
-mod ladder_quantities;
 mod linearised;
 mod motion;
 pub(crate) mod observed;
@@ -18,15 +18,15 @@ mod tails;
 #[cfg(test)]
 mod tests;
 
-use std::path::PathBuf;
-
 use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
+use result_pages::Source;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 use vibrating_systems::Filtered;
 
+use crate::answers::Unknown;
 use crate::checkpoint::Checkpoint;
 use crate::fpk::density::{
     self, Asked, DensityRun, DensitySimulation, Erased, Reached, Row, Standing,
@@ -37,19 +37,22 @@ use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{FilteredVisitor, System, Visitor};
 use crate::interrupt;
-use crate::kind::{Inputs, Run, RunError, SceneKind};
+use crate::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
-use crate::output::write_drawing;
-use crate::page;
-use crate::run_result::{RunResult, Unknown};
+use crate::result_file::ResultFile;
 use crate::scene::SceneFile;
+use crate::sources::{
+    AU_BECK_2001, CANOR_2013, GIRSANOV_1960, MACKE_2003, ROBERTS_1990, SCHARFETTER_1969,
+};
 use asked::{OtherDimension, asked, law};
 use linearised::Linearised;
 use observed::Observed;
 use outcome::Outcome;
 use pictures::{Pictures, Seen};
-use record::{Content, Series, WorkRecord, demand_name, moment_id, moment_words, series};
+use record::{
+    Content, Quantity, Series, WorkRecord, best_probabilities, demand_name, moment_words, series,
+};
 use resolutions::Resolutions;
 use sampled::Sampled;
 use tails::{Estimator, TailsOf};
@@ -60,34 +63,48 @@ pub(crate) const KIND: SceneKind = SceneKind {
     check: |file| file.parse::<FpkScene>().map(drop),
     run,
     ladder: ladder::ladder,
-    quantities: ladder_quantities::quantities,
-    findings: motion::findings,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
-fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let (scene, system) = run.build::<FpkScene>(file)?;
-    let Outcome { work, stopped, unknown, quantities, seed, drawings: planes, files, is_elsewhere } =
+    let Outcome { work, stopped, unknown, quantities, seed, planes, files, is_elsewhere } =
         solve(&scene, &system, run)?;
     if is_elsewhere {
-        return Ok(files);
+        return Ok(Completed::Elsewhere(files));
     }
     for Unknown { what, reason } in &unknown {
         run.progress.stage(&format!("unknown: {what}: {reason}"));
     }
-    let drawings = drawings(&scene, &system, &quantities)?;
+    let answers = answers::answers(&quantities, &work);
     let reason = stopped.as_ref().map(ToString::to_string);
     let content = Content { seed, work, stopped: reason, unknown, quantities };
-    let path = RunResult::new("run-result/1", &scene, content).write(run.out())?;
-    let mut written = vec![path];
-    written.extend(files);
-    let motions = motion::motions(&planes).map_err(RunError::page)?;
-    for drawing in drawings.into_iter().chain(planes) {
-        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
+    let solved = Completed::here(run, answers, || {
+        let mut drawings = drawings(&scene, &system, &content.quantities)?;
+        for plane in &planes {
+            drawings.push(plane.drawing()?);
+        }
+        let motions = motion::motions(&planes);
+        let mut report = findings::report(&content, &scene.method, sources(&scene.method));
+        if scene.planes.is_none() {
+            report.absent.push(motion::ABSENT.to_owned());
+        }
+        let result = ResultFile::new("run-result/1", &scene, &content)?;
+        Ok(Output { result, files, drawings, motions, report })
+    })?;
+    Ok(solved.stopped(stopped))
+}
+
+/// What to cite for a method.
+fn sources(method: &MethodScene) -> &'static [Source] {
+    match method {
+        MethodScene::GuidedPaths { .. } => &[GIRSANOV_1960, MACKE_2003],
+        MethodScene::SubsetSimulation { .. } => &[AU_BECK_2001],
+        MethodScene::StatisticalLinearisation { .. } => &[ROBERTS_1990],
+        MethodScene::ConservativeGrid { .. } => &[SCHARFETTER_1969],
+        MethodScene::MonteCarlo { .. } => &[],
+        _ => &[CANOR_2013],
     }
-    written.extend(page::write(&KIND, file, run, motions, &written)?);
-    // The results so far are written; the early end is the outcome of the run.
-    stopped.map_or(Ok(written), |error| Err(RunError::solver(error)))
 }
 
 /// Solves the scene by its method.
@@ -315,7 +332,7 @@ impl Solved<'_> {
         run.progress.stage("density");
         let kept: Kept = self.checkpoint.part("density")?.unwrap_or_default();
         let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
-        let mut pictures = Pictures::new(scene, named.states(), &whole, run.out(), seen);
+        let mut pictures = Pictures::new(scene, named.states(), &whole, run.folder(), seen);
         let (asked, start) = (&asked, &start);
         let fine = self
             .density(
@@ -335,7 +352,7 @@ impl Solved<'_> {
             [no_cells, assumed(scene, named), lost_tail(scene), both.unknown(), both.not_shown()];
         let unknown = parts.into_iter().flatten().collect();
         let fine = both.fine;
-        let (drawings, files) = pictures.finish()?;
+        let (planes, files) = pictures.finish()?;
         let work = WorkRecord {
             particles: Some(fine.n_particles),
             steps: Some(fine.work.steps),
@@ -346,7 +363,7 @@ impl Solved<'_> {
         };
         let stopped = fine.stopped;
         let (seed, is_elsewhere) = (None, false);
-        Ok(Outcome { work, stopped, unknown, quantities, seed, drawings, files, is_elsewhere })
+        Ok(Outcome { work, stopped, unknown, quantities, seed, planes, files, is_elsewhere })
     }
 }
 
@@ -356,22 +373,11 @@ fn drawings(
     system: &System,
     quantities: &[Series],
 ) -> Result<Vec<Drawing>, RunError> {
-    let second = |powers: &&Vec<u32>| powers.iter().sum::<u32>() == 2;
-    let second: Vec<String> =
-        scene.moments.iter().filter(second).map(|powers| moment_id(powers)).collect();
+    let is_second = |series: &&Series| matches!(&series.of, Quantity::Moment(powers) if powers.iter().sum::<u32>() == 2);
     let exceeds = format!("P(|{}| > T)", demand_name(scene, system));
     // The chart shows one estimator, the best that the method offers; the result contains all.
-    let best = ["exceedance-cell/", "exceedance-log-interpolated/", "exceedance/"];
-    let prefix = best
-        .into_iter()
-        .find(|prefix| quantities.iter().any(|series| series.id.starts_with(prefix)))
-        .unwrap_or(best[0]);
-    let moments = lines(
-        quantities,
-        |id| second.iter().any(|wanted| wanted == id),
-        |observed| Some(observed.value),
-    );
-    let tails = lines(quantities, |id| id.starts_with(prefix), Observed::known);
+    let moments = lines(quantities.iter().filter(is_second), |observed| Some(observed.value));
+    let tails = lines(best_probabilities(quantities), Observed::known);
     let smaller = "Values that are smaller than their error are left out.";
     let mut drawings = Vec::new();
     for (name, lines, scale, title, y_label, note) in [
@@ -406,19 +412,14 @@ fn drawings(
 }
 
 /// The selected series as lines; values rejected by `shown` are gaps.
-fn lines(
-    quantities: &[Series],
-    wanted: impl Fn(&str) -> bool,
+fn lines<'a>(
+    quantities: impl Iterator<Item = &'a Series>,
     shown: impl Fn(&Observed) -> Option<f64>,
 ) -> Vec<Line> {
     let line = |series: &Series| Line {
         name: series.quantity.clone(),
         points: series.values.iter().map(|observed| (observed.t, shown(observed))).collect(),
     };
-    quantities
-        .iter()
-        .filter(|series| wanted(&series.id))
-        .map(line)
-        .filter(|line| line.points.iter().any(|(_, value)| value.is_some()))
-        .collect()
+    let lines = quantities.map(line);
+    lines.filter(|line| line.points.iter().any(|(_, value)| value.is_some())).collect()
 }

@@ -224,7 +224,7 @@ impl Run<'_> {
     ) -> Result<Option<Vec<T>>, RunError> {
         let head = self.block_head(inputs)?;
         let job = Job { n_blocks, identity: head.fields() };
-        let mut files = Files { folder: self.out().join(FOLDER), head, n_blocks };
+        let mut files = Files { folder: self.options.out.join(FOLDER), head, n_blocks };
         if ranks.rank() == 0 {
             files.open(self.options.start)?;
         }
@@ -236,7 +236,7 @@ impl Run<'_> {
         else {
             return Ok(None);
         };
-        write_json(&self.out().join("job.json"), &JobRecord::new(&report))?;
+        write_json(&self.options.out.join("job.json"), &JobRecord::new(&report))?;
         Ok(Some(parts))
     }
 }

@@ -39,12 +39,15 @@ impl Run<'_> {
     /// `aside` are the JSON pointers of keys that do not affect the results so far: title, end time, output.
     ///
     /// # Errors
-    /// [`RunError::Checkpoint`]; [`RunError::Identity`] for a scene that JSON cannot represent.
+    /// [`RunError::Checkpoint`]; [`RunError::Json`] for a scene that JSON cannot represent.
     pub fn checkpoint(
         &self,
         inputs: &Inputs<'_, impl Serialize>,
         aside: &[&str],
     ) -> Result<&Checkpoint, RunError> {
+        let Some(folder) = self.folder() else {
+            return Ok(self.checkpoint.get_or_init(Checkpoint::in_memory));
+        };
         let mut identity = inputs.identity(aside)?;
         if let (Part::Shard(place), Some(identity)) = (self.part(), identity.as_object_mut()) {
             identity.insert("shard".to_owned(), place.to_string().into());
@@ -52,7 +55,7 @@ impl Run<'_> {
         let head = Head::new(self.solver, &identity, inputs.seed, inputs.files);
         let start = self.options.start;
         let (checkpoint, found) =
-            Checkpoint::open(self.out(), head, start, self.options.checkpoint_every)?;
+            Checkpoint::open(folder, head, start, self.options.checkpoint_every)?;
         for refused in &found.refused {
             self.progress.stage(&format!("not resumed: {refused}"));
         }
@@ -62,7 +65,7 @@ impl Run<'_> {
                 self.progress.stage(&format!("resumes from {}", file.display()));
             }
             (Start::GoOn, None) => {
-                let folder = self.out().display();
+                let folder = folder.display();
                 self.progress
                     .stage(&format!("no checkpoint in {folder}: starts from the beginning"));
             }

@@ -6,12 +6,21 @@ use std::sync::OnceLock;
 use mpi_ensembles::Ranks;
 
 use super::folder_lock::FolderLock;
-use super::options::{Options, PageFile};
+use super::options::Options;
 use super::pace::{Limit, Pace};
 use super::progress::Progress;
 use super::run_error::RunError;
 use crate::checkpoint::Checkpoint;
 use crate::scene::{Scene, SceneFile};
+
+/// Where the results of a run go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Results {
+    /// Into the folder of the options.
+    InFolder,
+    /// Back to the caller alone.
+    InMemory,
+}
 
 /// Context of a run.
 #[derive(Debug)]
@@ -20,22 +29,17 @@ pub struct Run<'a> {
     pub progress: &'a Progress,
     pub(super) solver: &'static str,
     pub(super) options: &'a Options,
+    pub(super) results: Results,
     pub(super) checkpoint: OnceLock<Checkpoint>,
     pub(super) lock: OnceLock<FolderLock>,
     pub(super) ranks: Option<&'a dyn Ranks>,
 }
 
 impl Run<'_> {
-    /// Folder of the results.
+    /// Folder of the results; none of a run whose answers stay in memory, which touches no file.
     #[must_use]
-    pub fn out(&self) -> &Path {
-        &self.options.out
-    }
-
-    /// Whether the results get a page.
-    #[must_use]
-    pub fn page(&self) -> PageFile {
-        self.options.page
+    pub fn folder(&self) -> Option<&Path> {
+        (self.results == Results::InFolder).then_some(&self.options.out)
     }
 
     /// The pace of a part of this run.
@@ -49,7 +53,7 @@ impl Run<'_> {
     }
 
     /// Parses a scene, replaces its seed if requested, and returns it with the result of its check. From then on the folder of the
-    /// results is closed to other runs, but for the ranks of the same job.
+    /// results is closed to other runs, except for the ranks of the same job.
     ///
     /// # Errors
     /// [`RunError::Scene`]; [`RunError::NoSeed`] for a seed given to a scene without random numbers; [`RunError::Occupied`].
@@ -58,9 +62,9 @@ impl Run<'_> {
         if let Some(seed) = self.options.seed {
             *scene.seed().ok_or(RunError::NoSeed { seed })? = seed;
         }
-        if self.ranks.is_none() && self.lock.get().is_none() {
+        if let (None, None, Some(folder)) = (self.ranks, self.lock.get(), self.folder()) {
             // A second call, of the same thread, finds the lock that the first has set.
-            let _ = self.lock.set(FolderLock::take(self.out())?);
+            let _ = self.lock.set(FolderLock::take(folder)?);
         }
         Ok((scene, built))
     }

@@ -19,20 +19,9 @@ pub struct Options {
     pub checkpoint_every: Duration,
     /// The whole ensemble, a shard of it, or the merge of shards.
     pub part: Part,
-    /// Whether the results get a page.
-    pub page: PageFile,
     /// A part of the run that would take longer, by what its first ten seconds have done, is refused; no limit if none. On ranks it
     /// does not count.
     pub longest: Option<Duration>,
-}
-
-/// Whether the results get a page.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PageFile {
-    /// `index.html` next to `result.json`.
-    Write,
-    /// No page: a trial run, or a run for a program that reads the result.
-    Omit,
 }
 
 impl Options {
@@ -43,13 +32,6 @@ impl Options {
     pub fn new(out: impl Into<PathBuf>) -> Self {
         let (seed, start) = (None, Start::Anew);
         let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);
-        let (page, longest) = (PageFile::Write, None);
-        Self { out: out.into(), seed, start, checkpoint_every, part, page, longest }
-    }
-
-    /// The same without a page.
-    #[must_use]
-    pub fn without_page(self) -> Self {
-        Self { page: PageFile::Omit, ..self }
+        Self { out: out.into(), seed, start, checkpoint_every, part, longest: None }
     }
 }

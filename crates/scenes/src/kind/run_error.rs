@@ -37,9 +37,9 @@ pub enum RunError {
     /// The page of the results could not be made.
     #[error("the results are written, but not their page")]
     Page(#[source] SolverError),
-    /// The scene cannot be identified.
-    #[error("the scene has a value that JSON cannot represent")]
-    Identity(#[from] JsonError),
+    /// The scene or its result has a value that JSON cannot represent.
+    #[error("the scene, or its result, has a value that JSON cannot represent")]
+    Json(#[from] JsonError),
     /// The method of the scene has no shards, but shards were requested or given.
     #[error("the method of the scene has no shards")]
     #[diagnostic(help("run it in one process and without --shard; there is nothing to merge"))]

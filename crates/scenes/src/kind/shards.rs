@@ -48,14 +48,14 @@ impl Run<'_> {
     /// Writes `shard-2-of-4.bin` with the results of a shard and the identity of its scene and files.
     ///
     /// # Errors
-    /// [`RunError::Checkpoint`], [`RunError::Identity`].
+    /// [`RunError::Checkpoint`], [`RunError::Json`].
     pub fn write_shard<T: Serialize>(
         &self,
         inputs: &Inputs<'_, impl Serialize>,
         place: Place,
         content: &T,
     ) -> Result<PathBuf, RunError> {
-        let path = self.out().join(format!("shard-{}-of-{}.bin", place.shard, place.of));
+        let path = self.options.out.join(format!("shard-{}-of-{}.bin", place.shard, place.of));
         write_file(&path, &self.shard_head(inputs)?, &(place, content))?;
         Ok(path)
     }

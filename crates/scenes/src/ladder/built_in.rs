@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Ladder, LadderError, Limits, Method, Rung, Trial, climb, repeated_costs};
+use super::{Ladder, Limits, Method, Rung, Trial, climb, try_scene};
 use crate::kind::{RunError, SceneKind, kind_of};
 use crate::scene::SceneFile;
 
@@ -39,9 +39,6 @@ pub enum BuiltInError {
         /// Error of the file system.
         source: std::io::Error,
     },
-    /// A trial could not be started.
-    #[error(transparent)]
-    Ladder(#[from] LadderError),
 }
 
 impl BuiltIn {
@@ -86,27 +83,27 @@ impl BuiltIn {
     }
 
     /// Climbs the ladders of all methods until a trial would cost more than the budget (CPU s); see [`climb`].
-    ///
-    /// # Errors
-    /// [`LadderError`].
-    pub fn trials(
-        &self,
-        budget: f64,
-        mut tell: impl FnMut(&Method, &Rung),
-    ) -> Result<Vec<Trial>, LadderError> {
-        let (mut trials, limits) = (Vec::new(), Limits { budget, longest: None });
-        for method in 0..self.ladder.methods.len() {
-            trials.extend(climb(self.kind, &self.file, &self.ladder, method, limits, &mut tell)?);
-        }
-        Ok(trials)
+    pub fn trials(&self, budget: f64, mut tell: impl FnMut(&Method, &Rung)) -> Vec<Trial> {
+        let limits = Limits { budget, longest: None };
+        let methods = 0..self.ladder.methods.len();
+        methods
+            .flat_map(|method| {
+                climb(self.kind, &self.file, &self.ladder, method, limits, &mut tell)
+            })
+            .collect()
     }
 
-    /// CPU times (s) of a trial and of `again` repetitions; see [`repeated_costs`].
-    ///
-    /// # Errors
-    /// [`LadderError`].
-    pub fn costs(&self, trial: &Trial, again: usize) -> Result<Vec<f64>, LadderError> {
-        repeated_costs(self.kind, &self.file, trial, again)
+    /// CPU times (s) of a trial and of its repetitions, in increasing order; empty for a trial without answers.
+    #[must_use]
+    pub fn costs(&self, trial: &Trial, again: usize) -> Vec<f64> {
+        let Some(answers) = trial.answers() else { return Vec::new() };
+        let repeated = (0..again).filter_map(|_| {
+            let outcome = try_scene(self.kind, &self.file, &trial.rung.trial, None);
+            Some(outcome.answers()?.cpu_seconds)
+        });
+        let mut costs: Vec<f64> = std::iter::once(answers.cpu_seconds).chain(repeated).collect();
+        costs.sort_by(f64::total_cmp);
+        costs
     }
 }
 

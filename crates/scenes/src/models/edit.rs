@@ -31,8 +31,8 @@ pub fn replace<T: PartialEq>(place: &mut T, value: T) -> bool {
     is_other
 }
 
-/// An ingredient that removes no state, if the scene has it.
+/// An ingredient without which all quantities keep their ids, if the scene has it.
 #[must_use]
 pub fn ingredient(name: impl Into<String>, scene: Option<impl Serialize>) -> Option<Ingredient> {
-    Some(Ingredient { name: name.into(), scene: keys(&scene?).ok()?, states_lost: 0 })
+    Some(Ingredient { name: name.into(), scene: keys(&scene?).ok()?, renamed: Vec::new() })
 }

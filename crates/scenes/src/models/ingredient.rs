@@ -9,6 +9,6 @@ pub struct Ingredient {
     pub name: String,
     /// The scene without it.
     pub scene: Map<String, Value>,
-    /// Number of trailing states removed: powers of moments become shorter by that number.
-    pub states_lost: usize,
+    /// Ids of quantities that have another id in that scene, each with it; none for a quantity that the scene does not have.
+    pub renamed: Vec<(String, Option<String>)>,
 }

@@ -1,5 +1,6 @@
 //! Runs a crack scene: distributions of path, length, exit and load, each with its error.
 
+mod answers;
 mod fields;
 mod findings;
 mod growth;
@@ -8,8 +9,6 @@ mod ladder;
 mod motion;
 mod pictures;
 mod record;
-
-use std::path::PathBuf;
 
 use mpi_ensembles::Ranks;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
@@ -21,15 +20,13 @@ use self::record::{Content, Record, WorkRecord};
 use crate::checkpoint::{Checkpoint, CheckpointError};
 use crate::clock::CpuClock;
 use crate::interrupt;
-use crate::kind::{Cut, Inputs, Part, Run, RunError, SceneKind};
+use crate::kind::{Completed, Cut, Inputs, Output, Part, Run, RunError, SceneKind};
 use crate::models::edit;
-use crate::output::write_drawing;
-use crate::page;
 use crate::peridyn::points::Cloud;
 use crate::peridyn::scene::{CrackScene, EnsembleScene};
 use crate::peridyn::scene_problem::CrackProblem;
 use crate::peridyn::so_far::CracksSoFar;
-use crate::run_result::RunResult;
+use crate::result_file::ResultFile;
 use crate::scene::{NamedFile, Objection, SceneFile};
 
 pub(crate) const KIND: SceneKind = SceneKind {
@@ -38,8 +35,6 @@ pub(crate) const KIND: SceneKind = SceneKind {
     check: |file| file.parse::<CrackScene>().map(drop),
     run,
     ladder: ladder::ladder,
-    quantities: ladder::quantities,
-    findings: findings::findings,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
@@ -82,7 +77,7 @@ impl From<peridyn_sde::Error> for RunError {
 /// Realisations of a checkpoint, and their time (s).
 type Ended = (CrackRun, f64);
 
-fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let (scene, ()) = run.build::<CrackScene>(file)?;
     let refused = |objection: Objection| file.object_to(&objection);
     let cloud = Cloud::of_body(&scene.body, file.folder()).map_err(refused)?;
@@ -98,18 +93,15 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
         (Some(shards), ..) => shards,
         (None, Some(ranks), _) => match on_ranks(ranks, inputs, &problem, run)? {
             Some(parts) => joined(parts)?,
-            None => return Ok(Vec::new()),
+            None => return Ok(Completed::Elsewhere(Vec::new())),
         },
         (None, None, Part::Shard(place)) => {
             let shard = realisations(inputs, &problem, run)?;
-            return Ok(vec![run.write_shard(inputs, *place, &shard)?]);
+            return Ok(Completed::Elsewhere(vec![run.write_shard(inputs, *place, &shard)?]));
         }
         (None, None, _) => realisations(inputs, &problem, run)?,
     };
-    let mut written = write(&scene, &problem, (&crack_run, cpu_seconds), run)?;
-    let motions = motion::motions(&scene, &problem, &crack_run)?;
-    written.extend(page::write(&KIND, file, run, motions, &written)?);
-    Ok(written)
+    found(&scene, &problem, (&crack_run, cpu_seconds), run)
 }
 
 /// Shards in order.
@@ -217,12 +209,13 @@ fn load_words<'a>(runs: impl IntoIterator<Item = &'a CrackRun>) -> String {
     format!("failure load {} N", with_uncertainty(Some(load.value), load.standard_error()))
 }
 
-fn write(
+/// What the realisations give.
+fn found(
     scene: &CrackScene,
     problem: &CrackProblem,
     (crack_run, cpu_seconds): (&CrackRun, f64),
     run: &Run<'_>,
-) -> Result<Vec<PathBuf>, RunError> {
+) -> Result<Completed, RunError> {
     let n_realisations = scene.ensemble.realisations;
     let ensemble = CrackEnsemble::new(n_realisations, crack_run.records.iter().cloned())
         .map_err(RunError::solver)?;
@@ -231,19 +224,20 @@ fn write(
     for unknown in &record.unknown {
         run.progress.stage(&format!("unknown: {}: {}", unknown.what, unknown.reason));
     }
-    let drawings = pictures::drawings(scene, problem, crack_run, &ensemble, &record, &bootstrap)?;
-    let content = Content {
-        files: &problem.files,
-        resolved: &problem.resolved,
-        seed: scene.ensemble.seed,
-        work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),
-        record: &record,
-    };
-    let path = RunResult::new("crack-ensemble/1", scene, content).write(run.out())?;
-    let mut written = vec![path];
-    for drawing in drawings {
-        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
-    }
-    written.extend(fields::write(scene, problem, crack_run, run.out())?);
-    Ok(written)
+    Completed::here(run, answers::answers(&record, cpu_seconds), || {
+        let drawings =
+            pictures::drawings(scene, problem, crack_run, &ensemble, &record, &bootstrap)?;
+        let content = Content {
+            files: &problem.files,
+            resolved: &problem.resolved,
+            seed: scene.ensemble.seed,
+            work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),
+            record: &record,
+        };
+        let report = findings::report(scene, &content);
+        let files = fields::write(scene, problem, crack_run, run.folder())?;
+        let motions = motion::motions(scene, problem, crack_run)?;
+        let result = ResultFile::new("crack-ensemble/1", scene, &content)?;
+        Ok(Output { result, files, drawings, motions, report })
+    })
 }

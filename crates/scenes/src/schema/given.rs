@@ -3,28 +3,28 @@
 use result_pages::SceneKey;
 use serde_json::Value;
 
+use super::SchemaError;
 use super::rows::{is_list_of_words, join};
 use super::tree::{Holds, Presence, Tree, Variant};
 use super::unit;
 use super::value::compact;
-use super::{SchemaError, schema_of};
-use crate::kind::SceneKind;
 
 /// Value of an optional key that a scene leaves out.
 const NONE: &str = "none";
 
-/// Every key of a scene: those of `resolved`, which has the defaults of its types, and those that it leaves out.
+/// Every key of a scene with this schema: those of `resolved`, which has the defaults of its types, and those that it leaves out.
 ///
 /// A key that is not in `given`, the text of the scene, has its default.
 ///
 /// # Errors
 /// [`SchemaError::Form`] for a schema that cannot be shown.
 pub fn scene_keys(
-    kind: &SceneKind,
+    solver: &'static str,
+    schema: &Value,
     resolved: &Value,
     given: &Value,
 ) -> Result<Vec<SceneKey>, SchemaError> {
-    let tree = Tree::read(kind.solver, &schema_of(kind))?;
+    let tree = Tree::read(solver, schema)?;
     let mut walk = Walk { tree: &tree, keys: Vec::new() };
     let at = At { path: String::new(), about: &tree.root().about };
     walk.visit(&tree.root().holds, &at, resolved, Some(given));

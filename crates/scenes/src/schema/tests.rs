@@ -49,8 +49,6 @@ const DECAY: SceneKind = SceneKind {
     check: |_| Ok(()),
     run: |_, _| Err(crate::kind::RunError::NoKinds),
     ladder: |_| Err(crate::kind::RunError::NoKinds),
-    quantities: |_| Vec::new(),
-    findings: |_| Ok(crate::findings::Findings::default()),
     ingredients: |_| Vec::new(),
 };
 

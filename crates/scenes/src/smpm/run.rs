@@ -1,5 +1,6 @@
 //! Runs a scene of bodies on a grid: mean and variance of every response, with trust indicators.
 
+mod answers;
 mod field_solve;
 mod fields;
 mod findings;
@@ -9,31 +10,26 @@ mod kept;
 mod ladder;
 mod multilevel;
 mod multilevel_record;
+mod record;
 mod response;
 mod samples;
 mod shown;
 mod solve;
 
-use std::path::PathBuf;
-
 use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
-use serde::Serialize;
-use smpm::{Plan, Quantity};
+use smpm::Plan;
 
 use self::fields::Fields;
-use self::multilevel_record::MultilevelRecord;
+use self::record::{Content, Failure, FieldResult, GaugeResult, WorkRecord, by_gauge};
 use self::response::{Response, Shares};
 use self::solve::{Answer, SolveError, Solved};
-use crate::kind::{Run, RunError, SceneKind};
+use crate::kind::{Completed, Output, Run, RunError, SceneKind};
 use crate::machine::Machine;
 use crate::models::edit;
-use crate::output::write_drawing;
-use crate::page;
-use crate::run_result::RunResult;
+use crate::result_file::ResultFile;
 use crate::scene::{Objection, SceneFile};
 use crate::smpm::experiment::SceneExperiment;
 use crate::smpm::method_scene::MethodScene;
-use crate::smpm::random_fields::PreparedField;
 use crate::smpm::scene::{RandomScene, SmpmScene};
 
 pub(crate) const KIND: SceneKind = SceneKind {
@@ -42,73 +38,10 @@ pub(crate) const KIND: SceneKind = SceneKind {
     check: |file| file.parse::<SmpmScene>().map(drop),
     run,
     ladder: ladder::ladder,
-    quantities: ladder::quantities,
-    findings: findings::findings,
     ingredients: |scene| edit::of(scene, ingredients::ingredients),
 };
 
-/// Keys that this kind adds to every result: schema `response-moments/1`.
-#[derive(Debug, Serialize)]
-struct Content {
-    work: WorkRecord,
-    /// Where the bodies differ from those of the scene, and what a reader must know of the estimate.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    notes: Vec<String>,
-    /// Samples that failed, and why.
-    failures: Vec<Failure>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    random_fields: Vec<FieldResult>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    multilevel: Option<MultilevelRecord>,
-    gauges: Vec<GaugeResult>,
-}
-
-/// Expansion of a random field.
-#[derive(Debug, Serialize)]
-struct FieldResult {
-    parameters: Vec<String>,
-    terms: usize,
-    /// Variance of the normal field that the terms leave out, mean over its box: the error of its correlation.
-    ///
-    /// The field is then scaled to unit variance, so that the distribution at one point is exact.
-    mean_left_out_variance: f64,
-    /// The largest at a particle.
-    largest_left_out_variance: f64,
-}
-
-/// Work counters.
-#[derive(Debug, Serialize)]
-struct WorkRecord {
-    particles: usize,
-    steps: usize,
-    /// Number of complete runs, including those with derivatives.
-    runs: u64,
-    cpu_seconds: f64,
-}
-
-/// A sample that failed.
-#[derive(Debug, Serialize)]
-struct Failure {
-    sample: u64,
-    reason: String,
-}
-
-/// All quantities at a gauge.
-#[derive(Debug, Serialize)]
-struct GaugeResult {
-    name: String,
-    quantities: Vec<QuantityResult>,
-}
-
-/// A quantity over time.
-#[derive(Debug, Serialize)]
-struct QuantityResult {
-    name: String,
-    unit: &'static str,
-    values: Vec<Response>,
-}
-
-fn run(file: &SceneFile, run: &Run<'_>) -> Result<Vec<PathBuf>, RunError> {
+fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let (scene, ()) = run.build::<SmpmScene>(file)?;
     match scene.method {
         MethodScene::Multilevel(_) => run.no_shards_of_a_plan()?,
@@ -126,7 +59,7 @@ fn run_in<const D: usize>(
     file: &SceneFile,
     scene: &SmpmScene,
     run: &Run<'_>,
-) -> Result<Vec<PathBuf>, RunError> {
+) -> Result<Completed, RunError> {
     let object = |objection: Objection| RunError::from(file.object_to(&objection));
     let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
     let plan = scene.plan::<D>().map_err(object)?;
@@ -137,7 +70,7 @@ fn run_in<const D: usize>(
         }
     };
     print(&notes);
-    let mut fields = Fields::new(scene, plan.stops(), run.out());
+    let mut fields = Fields::new(scene, plan.stops(), run.folder());
     let answer = match &scene.method {
         MethodScene::Multilevel(method) => {
             let of_scene = (&experiment, &plan);
@@ -150,8 +83,8 @@ fn run_in<const D: usize>(
     };
     let answer = match answer {
         Ok(Solved::Whole(answer)) => answer,
-        Ok(Solved::Shard(file)) => return Ok(vec![file]),
-        Ok(Solved::Elsewhere) => return Ok(Vec::new()),
+        Ok(Solved::Shard(file)) => return Ok(Completed::Elsewhere(vec![file])),
+        Ok(Solved::Elsewhere) => return Ok(Completed::Elsewhere(Vec::new())),
         Err(SolveError::Solver(error)) => return Err(in_the_scene(file, scene, error)),
         Err(SolveError::Run(error)) => return Err(error),
         Err(SolveError::Scene(objection)) => return Err(object(objection)),
@@ -161,12 +94,8 @@ fn run_in<const D: usize>(
     for line in ranking(&plan, &answer) {
         run.progress.stage(&line);
     }
-    let (mut written, motion) = fields.finish().map_err(RunError::Solver)?;
-    let gauges = by_gauge(scene, &plan, &answer);
-    let drawn = drawings(scene, &plan, &gauges)?;
-    for drawing in drawn.into_iter().chain(index_drawings(scene, &gauges)?) {
-        written.push(write_drawing(&drawing, run.out()).map_err(RunError::solver)?);
-    }
+    let (files, motion) = fields.finish().map_err(RunError::Solver)?;
+    let gauges = by_gauge(scene, &plan, &answer.responses);
     let failure =
         |(sample, reason): &(u64, String)| Failure { sample: *sample, reason: reason.clone() };
     let content = Content {
@@ -182,17 +111,14 @@ fn run_in<const D: usize>(
         multilevel: answer.multilevel,
         gauges,
     };
-    written.insert(0, RunResult::new("response-moments/1", scene, content).write(run.out())?);
-    written.extend(page::write(&KIND, file, run, motion.into_iter().collect(), &written)?);
-    Ok(written)
-}
-
-impl FieldResult {
-    fn of(field: &PreparedField) -> Self {
-        let [mean_left_out_variance, largest_left_out_variance] = field.left_out;
-        let (parameters, terms) = (field.parameters.clone(), field.n_terms);
-        Self { parameters, terms, mean_left_out_variance, largest_left_out_variance }
-    }
+    let answers = answers::answers(scene, &content);
+    Completed::here(run, answers, || {
+        let mut drawings = drawings(scene, &plan, &content.gauges)?;
+        drawings.extend(index_drawings(scene, &content.gauges)?);
+        let report = findings::report(scene, &content);
+        let result = ResultFile::new("response-moments/1", scene, &content)?;
+        Ok(Output { result, files, drawings, motions: motion.into_iter().collect(), report })
+    })
 }
 
 const OTHER_TIMES: &str = "a run resumes only from a checkpoint with the same earlier times; --overwrite starts from the beginning";
@@ -244,25 +170,6 @@ fn ranking<const D: usize>(plan: &Plan<D>, answer: &Answer) -> Vec<String> {
         Some(format!("total Sobol' indices of {quantity} at {name}: {}", words.join(", ")))
     };
     answer.responses.iter().enumerate().filter_map(of).collect()
-}
-
-fn by_gauge<const D: usize>(
-    scene: &SmpmScene,
-    plan: &Plan<D>,
-    answer: &Answer,
-) -> Vec<GaugeResult> {
-    let quantity = |g: usize, (q, quantity): (usize, &Quantity)| QuantityResult {
-        name: quantity.to_string(),
-        unit: scene.units.of(*quantity),
-        values: (0..plan.windows.len())
-            .map(|w| answer.responses[plan.index(g, q, w)].clone())
-            .collect(),
-    };
-    let gauge = |(g, gauge): (usize, &smpm::Gauge<D>)| GaugeResult {
-        name: gauge.name.clone(),
-        quantities: plan.quantities.iter().enumerate().map(|q| quantity(g, q)).collect(),
-    };
-    plan.gauges.iter().enumerate().map(gauge).collect()
 }
 
 /// One chart for each quantity: every gauge with a band of one standard deviation.

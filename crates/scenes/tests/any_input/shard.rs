@@ -38,7 +38,7 @@ impl Ensemble {
         let [first, second] = ["1/2", "2/2"].map(|place| {
             let part = Part::Shard(place.parse().unwrap());
             let options = Options { part, ..Options::new(folder.join("shards")) };
-            run(ALL, &scene, &options, &Progress::silent()).unwrap().swap_remove(0)
+            run(ALL, &scene, &options, &Progress::silent()).unwrap().files.swap_remove(0)
         });
         let first = std::fs::read(first).unwrap();
         Self { scene, folder, first, second }
@@ -54,7 +54,7 @@ impl Ensemble {
             part: Part::Merged(vec![file, self.second.clone()]),
             ..Options::new(self.folder.join(format!("{name}-joined")))
         };
-        run(ALL, &self.scene, &options, &Progress::silent())
+        run(ALL, &self.scene, &options, &Progress::silent()).map(|it| it.files)
     }
 }
 

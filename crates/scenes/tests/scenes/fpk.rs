@@ -74,6 +74,7 @@ pub(crate) fn whole_and_merged(name: &str, text: &str, other: &str) -> [Value; 2
         let scene = folder.join("scene.json");
         std::fs::write(&scene, text).unwrap();
         run(ALL, &scene, &Options { part, ..Options::new(folder.join(out)) }, &Progress::silent())
+            .map(|it| it.files)
     };
     let shard = |text: &str, place: &str, out: &str| {
         let place = place.parse().unwrap();
@@ -107,7 +108,7 @@ pub(crate) fn run_in(folder: &Path, text: &str, start: Start) -> Result<Vec<Path
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();
     let options = Options { start, ..Options::new(folder) };
-    run(ALL, &scene, &options, &Progress::silent())
+    run(ALL, &scene, &options, &Progress::silent()).map(|it| it.files)
 }
 
 fn checkpoints(folder: &Path) -> Vec<Vec<u8>> {

@@ -151,7 +151,7 @@ fn a_method_whose_trials_are_dear_or_fail_is_left_after_the_first() {
     let kind = kind_of(ALL, &file).unwrap();
     let mut ladder = (kind.ladder)(&file).unwrap();
     let climbed = |ladder: &Ladder, budget, longest| {
-        climb(kind, &file, ladder, 0, Limits { budget, longest }, |_, _| {}).unwrap()
+        climb(kind, &file, ladder, 0, Limits { budget, longest }, |_, _| {})
     };
     let microsecond = Some(Duration::from_micros(1));
     let dear = climbed(&ladder, 1e-9, microsecond);

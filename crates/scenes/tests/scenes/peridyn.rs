@@ -54,7 +54,7 @@ impl Ran {
 
     /// Runs the current scene in the folder again.
     fn again(&self, options: &Options) -> Result<Vec<PathBuf>, RunError> {
-        run(ALL, &self.folder().join("scene.json"), options, &Progress::silent())
+        run(ALL, &self.folder().join("scene.json"), options, &Progress::silent()).map(|it| it.files)
     }
 
     fn folder(&self) -> &Path {
@@ -75,7 +75,7 @@ fn run_beside(text: &str, files: &[(&str, &[u8])]) -> Ran {
         std::fs::write(folder.path().join(file), bytes).unwrap();
     }
     let written = run(ALL, &scene, &Options::new(folder.path().join("out")), &Progress::silent());
-    Ran { folder, written }
+    Ran { folder, written: written.map(|it| it.files) }
 }
 
 fn with(changes: &[(&str, &str)]) -> String {

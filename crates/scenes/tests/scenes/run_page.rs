@@ -108,7 +108,7 @@ impl Ran {
         let file = folder.join("scene.json");
         std::fs::write(&file, scene.replace("TITLE", HOSTILE)).unwrap();
         let out = folder.join("out");
-        let written = run(ALL, &file, &Options::new(&out), &Progress::silent()).unwrap();
+        let written = run(ALL, &file, &Options::new(&out), &Progress::silent()).unwrap().files;
         assert!(written.contains(&out.join("index.html")), "{written:?}");
         let html = std::fs::read_to_string(out.join("index.html")).unwrap();
         assert!(html.len() < MOST_BYTES, "{}", html.len());

@@ -35,7 +35,7 @@ fn run_text(text: &str) -> (TempDir, Result<Vec<PathBuf>, RunError>) {
     let scene = folder.path().join("scene.json");
     std::fs::write(&scene, text).unwrap();
     let result = run(ALL, &scene, &Options::new(folder.path().join("out")), &Progress::silent());
-    (folder, result)
+    (folder, result.map(|it| it.files))
 }
 
 /// Runs again into the same folder.
@@ -43,7 +43,7 @@ fn again(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunErr
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();
     let options = Options { start, ..Options::new(folder.join("out")) };
-    run(ALL, &scene, &options, &Progress::silent())
+    run(ALL, &scene, &options, &Progress::silent()).map(|it| it.files)
 }
 
 fn gauges(out: &Path) -> Value {

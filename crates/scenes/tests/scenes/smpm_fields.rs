@@ -54,7 +54,7 @@ fn run_in(folder: &Path, text: &str, options: &Options) -> Result<Vec<PathBuf>, 
     std::fs::create_dir_all(folder).unwrap();
     let scene = folder.join("scene.json");
     std::fs::write(&scene, text).unwrap();
-    run(ALL, &scene, options, &Progress::silent())
+    run(ALL, &scene, options, &Progress::silent()).map(|it| it.files)
 }
 
 fn result(out: &Path) -> Value {

@@ -4,6 +4,7 @@
 
 use result_figures::{Drawing, Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use scenes::advise::{Advice, Judgement, Options, from_trials};
+use scenes::answers::Statistic;
 use scenes::ladder::{BuiltIn, Growth, Outcome, Trial};
 use scenes::machine::Machine;
 
@@ -30,8 +31,8 @@ const REPEATED: f64 = 0.5;
 
 /// Quantities on one chart.
 struct Group {
-    /// Prefix of their ids; their suffix if it begins with a slash.
-    mark: &'static str,
+    /// What of random quantities they are.
+    statistic: Statistic,
     /// Their values.
     values: std::ops::Range<f64>,
     /// Name in the title.
@@ -45,22 +46,22 @@ const ANY: std::ops::Range<f64> = f64::NEG_INFINITY..f64::INFINITY;
 const SMALL: f64 = 1e-3;
 
 const GROUPS: [Group; 5] = [
-    Group { mark: "moment/", values: ANY, words: "moments", stem: "moments" },
+    Group { statistic: Statistic::Moment, values: ANY, words: "moments", stem: "moments" },
     Group {
-        mark: "exceedance/",
+        statistic: Statistic::Probability,
         values: SMALL..f64::INFINITY,
         words: "probabilities of 0.001 and more",
         stem: "probabilities",
     },
     Group {
-        mark: "exceedance/",
+        statistic: Statistic::Probability,
         values: f64::NEG_INFINITY..SMALL,
         words: "probabilities below 0.001",
         stem: "small-probabilities",
     },
-    Group { mark: "/mean", values: ANY, words: "means", stem: "means" },
+    Group { statistic: Statistic::Mean, values: ANY, words: "means", stem: "means" },
     Group {
-        mark: "/standard_deviation",
+        statistic: Statistic::StandardDeviation,
         values: ANY,
         words: "standard deviations",
         stem: "standard-deviations",
@@ -69,13 +70,7 @@ const GROUPS: [Group; 5] = [
 
 impl Group {
     fn holds(&self, judgement: &Judgement) -> bool {
-        let id = &judgement.id;
-        let is_marked = if self.mark.starts_with('/') {
-            id.ends_with(self.mark)
-        } else {
-            id.starts_with(self.mark)
-        };
-        is_marked && self.values.contains(&judgement.value)
+        judgement.statistic == self.statistic && self.values.contains(&judgement.value)
     }
 }
 
@@ -85,9 +80,9 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         context.progress(&scene.name);
         let mut trials = scene.trials(budget(context.profile), |method, rung| {
             context.progress(&format!("  {}", method.at(&rung.label)));
-        })?;
+        });
         let scatters: Vec<Option<f64>> =
-            trials.iter_mut().map(|trial| repeat(&scene, trial)).collect::<Result<_, _>>()?;
+            trials.iter_mut().map(|trial| repeat(&scene, trial)).collect();
         drawings.extend(drawings_of(&scene, trials, &scatters)?);
     }
     Ok(drawings)
@@ -96,15 +91,15 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
 /// Repeats a cheap trial twice: its cost becomes the median of three.
 ///
 /// Returns half their range, or `None` for a single run.
-fn repeat(scene: &BuiltIn, trial: &mut Trial) -> Result<Option<f64>, CaseError> {
-    if trial.answer().is_none_or(|answer| answer.cpu_seconds > REPEATED) {
-        return Ok(None);
+fn repeat(scene: &BuiltIn, trial: &mut Trial) -> Option<f64> {
+    if trial.answers().is_none_or(|answers| answers.cpu_seconds > REPEATED) {
+        return None;
     }
-    let costs = scene.costs(trial, 2)?;
-    if let Outcome::Answered(answer) = &mut trial.outcome {
-        answer.cpu_seconds = costs[costs.len() / 2];
+    let costs = scene.costs(trial, 2);
+    if let Outcome::Answered(answers) = &mut trial.outcome {
+        answers.cpu_seconds = costs[costs.len() / 2];
     }
-    Ok(Some(0.5 * (costs[costs.len() - 1] - costs[0])))
+    Some(0.5 * (costs[costs.len() - 1] - costs[0]))
 }
 
 /// Charts of a scene; `scatters` are those of the costs of the trials.
@@ -186,11 +181,8 @@ fn series(advice: &Advice, scatters: &[Option<f64>], of_group: &[usize]) -> Vec<
 }
 
 fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>) -> Option<Run> {
-    let answer = match &trial.outcome {
-        Outcome::Answered(answer) => answer,
-        // A failed run has no cost.
-        Outcome::Failed { .. } => return None,
-    };
+    // A failed run has no cost.
+    let answers = trial.answers()?;
     let error = |&q: &usize| advice.judgements[q].error_of(trial);
     // A method without any of these quantities is not on this chart.
     of_group.iter().find_map(error)?;
@@ -205,7 +197,7 @@ fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>)
         Growth::Lattice { .. } | Growth::Samples => Some(short_label(&trial.rung.label)),
     };
     Some(Run {
-        cost: answer.cpu_seconds,
+        cost: answers.cpu_seconds,
         cost_error: scatter.filter(|&scatter| scatter > 0.0),
         outcome,
         label,

@@ -81,7 +81,7 @@ fn page(context: &Context<'_>, folder: &str, solver: &str) -> Result<Vec<Drawing
         }
         context.progress(&scene.name);
         let tell = |what: &str| context.progress(&format!("  {what}"));
-        let Some(study) = study(&scene, budget(context.profile), TOLERANCE, tell)? else {
+        let Some(study) = study(&scene, budget(context.profile), TOLERANCE, tell) else {
             let _ = writeln!(
                 text,
                 "\n## {}\n\nNo run of its own method ended in an answer.",

@@ -108,7 +108,7 @@ fn changed(text: &str, changes: Value) -> Result<Value, CaseError> {
         keys.extend(changes);
     }
     let folder = tempfile::tempdir()?;
-    let options = Options::new(folder.path()).without_page();
+    let options = Options::new(folder.path());
     result_of(&file.with_keys(Value::Object(keys)), &options)
 }
 

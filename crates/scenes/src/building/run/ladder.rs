@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::building::building_scene::{HysteresisScene, SoilScene};
 use crate::building::method_scene::BuildingMethod;
@@ -11,7 +10,7 @@ use crate::building::scene::PassageScene;
 use crate::fpk::scene::Times;
 use crate::fpk::structure_scene::WindowScene;
 use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
+use crate::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
 use crate::models::Ingredient;
 use crate::models::edit::{changed, ingredient, replace};
 use crate::scene::SceneFile;
@@ -74,22 +73,6 @@ fn by_samples(scene: &Arc<PassageScene>, method: BuildingMethod) -> Method {
     };
     let (name, growth) = (name.to_owned(), Growth::Samples);
     Method { name, growth, standing, first, rung: Box::new(rung) }
-}
-
-/// Probabilities at the last time.
-pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
-    let series = result["quantities"].as_array().map_or(&[][..], Vec::as_slice);
-    let last = |series: &Value| {
-        let text = |value: &Value| value.as_str().map(str::to_owned);
-        let observed = series["values"].as_array()?.last()?;
-        let value = observed["value"].as_f64()?;
-        let error = observed["error"].as_f64().map(|error| {
-            if observed["error_kind"] == "standard_error" { 2.0 * error } else { error }
-        });
-        let (id, words) = (text(&series["id"])?, text(&series["quantity"])?);
-        Some(Quantity { id, words, value, error, scale: value.abs() })
-    };
-    series.iter().filter_map(last).collect()
 }
 
 /// Hysteresis, soil and modulating function.

@@ -7,8 +7,8 @@ use peridyn_sde::inference::{
 use sde_integrators::{Estimate, Uncertainty, normal_probability};
 use serde::Serialize;
 
+use crate::answers::Number;
 use crate::kind::RunError;
-use crate::run_result::Number;
 
 /// Bins of a marginal distribution, of equal width on the scale of the parameter.
 const BINS: usize = 24;
@@ -37,9 +37,9 @@ pub(super) struct ParameterRecord {
 /// A quantile.
 #[derive(Debug, Serialize)]
 pub(super) struct Quantile {
-    probability: f64,
+    pub(super) probability: f64,
     #[serde(flatten)]
-    number: Number,
+    pub(super) number: Number,
 }
 
 /// Densities in an interval of a parameter.
@@ -56,10 +56,10 @@ pub(super) struct Bin {
 /// A correlation of two parameters.
 #[derive(Debug, Serialize)]
 pub(super) struct Correlation {
-    of: String,
-    with: String,
+    pub(super) of: String,
+    pub(super) with: String,
     #[serde(flatten)]
-    number: Number,
+    pub(super) number: Number,
 }
 
 /// Posteriors of all parameters.

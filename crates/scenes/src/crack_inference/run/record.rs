@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::ensembles::Ended;
 use super::posterior_record::{Correlation, ParameterRecord};
 use super::predictive::{Band, Compared, share};
+use crate::answers::Number;
 use crate::crack_inference::measured::MeasuredPlate;
 use crate::kind::RunError;
-use crate::run_result::Number;
 use crate::scene::NamedFile;
 
 /// Keys that this kind adds to every result.
@@ -117,10 +117,10 @@ pub(super) struct PredictiveRecord {
 /// A summary with its predicted band.
 #[derive(Debug, Serialize)]
 pub(super) struct ComparedRecord {
-    summary: String,
-    inside: Number,
+    pub(super) summary: String,
+    pub(super) inside: Number,
     #[serde(flatten)]
-    band: BandRecord,
+    pub(super) band: BandRecord,
 }
 
 /// A band at an abscissa.

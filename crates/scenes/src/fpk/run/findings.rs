@@ -1,166 +1,80 @@
-//! What a run of the schema `run-result/1` found: densities and tail probabilities.
+//! What the page shows of a result of the schema `run-result/1`: densities and tail probabilities.
 
 use std::collections::BTreeMap;
 
 use result_figures::number::{counted, percent, short};
-use result_pages::{Answer, Cell, Chart, Note, Point, Series, Source, Table, below};
-use serde::Deserialize;
-use serde_json::Value;
+use result_pages::{Cell, Chart, Note, Point, Series as Line, Source, below};
+use serde::Serialize;
 
-use crate::findings::sources::{
-    AU_BECK_2001, CANOR_2013, GIRSANOV_1960, MACKE_2003, ROBERTS_1990, SCHARFETTER_1969,
-};
-use crate::findings::{Findings, ReadUnknown, cell, how, method_words, short_cell};
+use super::observed::{Observed, WeightsRecord};
+use super::record::{Content, Probability, Quantity, Series};
+use crate::answers::{ErrorOrigin, Unknown};
+use crate::report::{Report, chart, method_words, number_cells, table};
 
-#[derive(Debug, Deserialize)]
-struct Read {
-    scene: Value,
-    seed: Option<u64>,
-    work: Value,
-    stopped: Option<String>,
-    unknown: Vec<ReadUnknown>,
-    quantities: Vec<ReadSeries>,
-}
-
-#[derive(Debug, Deserialize)]
-struct ReadSeries {
-    id: String,
-    quantity: String,
-    unit: String,
-    values: Vec<ReadValue>,
-}
-
-#[derive(Debug, Deserialize)]
-struct ReadValue {
-    t: f64,
-    value: f64,
-    error: Option<f64>,
-    error_kind: String,
-    note: Option<String>,
-    weights: Option<ReadWeights>,
-}
-
-#[derive(Debug, Deserialize)]
-struct ReadWeights {
-    effective_sample_size: f64,
-    largest_share: f64,
-}
-
-/// Groups of probabilities, the best estimator first.
-const PROBABILITIES: [(&str, &str); 5] = [
-    ("first-passage", "Probability of first passage"),
-    ("exceedance-cell", "Probability of exceedance, integrated over cells"),
-    ("exceedance-log-interpolated", "Probability of exceedance, interpolated between particles"),
-    ("exceedance", "Probability of exceedance"),
-    ("exceedance-indicator", "Probability of exceedance, masses counted"),
-];
-/// Probabilities, and moments, among the answers.
-const FIRST: usize = 3;
-
-impl ReadValue {
-    /// The upper bound of a probability of which no more is known.
-    fn bound(&self) -> Option<f64> {
-        let error = self.error.filter(|&error| error >= self.value)?;
-        let bound = self.value + error;
-        (self.error_kind == "bound" && bound > 0.0).then_some(bound)
+/// Heading of the chart of an estimator.
+const fn title(by: Probability) -> &'static str {
+    match by {
+        Probability::FirstPassage => "Probability of first passage over time",
+        Probability::Cell => "Probability of exceedance, integrated over cells over time",
+        Probability::LogInterpolated => {
+            "Probability of exceedance, interpolated between particles over time"
+        }
+        Probability::Exceedance => "Probability of exceedance over time",
+        Probability::Indicator => "Probability of exceedance, masses counted over time",
     }
 }
 
-impl ReadSeries {
-    fn group(&self) -> &str {
-        self.id.split('/').next().unwrap_or_default()
-    }
-
+impl Series {
     /// The upper bound of a value in place of it: of probabilities alone, which are not negative.
-    fn bound(&self, value: &ReadValue) -> Option<f64> {
-        PROBABILITIES.iter().any(|(group, _)| *group == self.group()).then(|| value.bound())?
+    fn bound(&self, value: &Observed) -> Option<f64> {
+        self.of.estimator().and_then(|_| value.number().upper_bound())
     }
 
-    /// Sum of the powers of a moment.
-    fn order(&self) -> Option<u32> {
-        let (_, powers) = self.id.split_once("moment/")?;
-        powers.split('-').map(|power| power.parse::<u32>().ok()).sum()
-    }
-
-    fn answer(&self) -> Option<Answer> {
-        let last = self.values.last()?;
-        Some(Answer {
-            quantity: self.quantity.clone(),
-            at: format!("t = {} s", last.t),
-            value: last.value,
-            error: last.error,
-            bound: self.bound(last),
-            unit: self.unit.clone(),
-            how: how(&last.error_kind),
-        })
-    }
-
-    fn line(&self) -> Series {
-        let point = |it: &ReadValue| Point {
-            x: it.t,
-            y: it.value,
-            error: it.error,
-            bound: self.bound(it),
-            how: how(&it.error_kind),
-            spread: None,
-        };
-        Series { name: self.quantity.clone(), points: self.values.iter().map(point).collect() }
+    fn line(&self) -> Line {
+        let point = |it: &Observed| Point { bound: self.bound(it), ..it.number().point(it.t) };
+        Line { name: self.quantity.clone(), points: self.values.iter().map(point).collect() }
     }
 
     fn rows(&self, from: usize) -> impl Iterator<Item = Vec<Cell>> {
         self.values[from..].iter().map(|it| {
             let [value, error] = match self.bound(it) {
                 Some(bound) => [Cell::number(below(bound), bound), Cell::text("")],
-                None => [cell(Some(it.value)), short_cell(it.error)],
+                None => number_cells(&it.number()),
             };
             vec![
                 Cell::text(&self.quantity),
-                Cell::text(self.id.clone()),
+                Cell::text(self.of.to_string()),
                 Cell::number(it.t.to_string(), it.t),
                 value,
                 error,
-                Cell::text(how(&it.error_kind)),
+                Cell::text(it.error_kind.words()),
                 Cell::text(it.note.clone().unwrap_or_default()),
             ]
         })
     }
 }
 
-/// Reads the findings from a result.
-pub(crate) fn findings(result: &Value) -> Result<Findings, serde_json::Error> {
-    let read = Read::deserialize(result)?;
-    let mut findings = Findings::default();
-    let probabilities = PROBABILITIES
-        .iter()
-        .find(|(group, _)| read.quantities.iter().any(|it| it.group() == *group))
-        .map_or("", |(group, _)| group);
-    let of_group = |group: &'static str| {
-        read.quantities.iter().filter(move |it| it.group() == group).filter_map(ReadSeries::answer)
-    };
-    let (tails, moments) = (of_group(probabilities).count(), of_group("moment").count());
-    let n_tails = FIRST.max((2 * FIRST).saturating_sub(moments));
-    let n_moments = FIRST.max((2 * FIRST).saturating_sub(tails));
-    findings.answers.extend(of_group(probabilities).take(n_tails));
-    findings.answers.extend(of_group("moment").take(n_moments));
-    let n_values: usize = read.quantities.iter().map(|it| it.values.len()).sum();
-    findings.n_more = n_values.saturating_sub(findings.answers.len());
-    notes(&read, &mut findings);
-    charts(&read, &mut findings);
-    tables(&read, &mut findings);
-    facts(&read, &mut findings);
-    findings.sources = sources(&read.scene);
-    Ok(findings)
+/// What the page shows of a result of the schema `run-result/1`.
+pub(crate) fn report(content: &Content, method: &impl Serialize, sources: &[Source]) -> Report {
+    let mut report = Report { sources: sources.to_vec(), ..Report::default() };
+    notes(content, &mut report);
+    charts(content, &mut report);
+    tables(content, &mut report);
+    report.fact("method", method_words(method));
+    facts(content, &mut report);
+    report
 }
 
-fn notes(read: &Read, findings: &mut Findings) {
-    if let Some(reason) = &read.stopped {
+fn notes(content: &Content, report: &mut Report) {
+    if let Some(reason) = &content.stopped {
         let text = format!("the run ended before its last time: {reason}");
-        findings.notes.push(Note::Warning(text));
+        report.notes.push(Note::Warning(text));
     }
-    findings.notes.extend(read.unknown.iter().map(ReadUnknown::note));
+    report.notes.extend(content.unknown.iter().map(Unknown::note));
     // Notes that differ in their numbers alone are one, with the first as an example.
     let mut alike: BTreeMap<String, (&str, usize)> = BTreeMap::new();
-    for note in read.quantities.iter().flat_map(|it| &it.values).filter_map(|it| it.note.as_deref())
+    for note in
+        content.quantities.iter().flat_map(|it| &it.values).filter_map(|it| it.note.as_deref())
     {
         let words: String = note.chars().filter(|c| c.is_alphabetic() || *c == ' ').collect();
         alike.entry(words).or_insert((note, 0)).1 += 1;
@@ -169,91 +83,72 @@ fn notes(read: &Read, findings: &mut Findings) {
         1 => Note::Remark(format!("1 value: {text}")),
         _ => Note::Remark(format!("{n} values, the first: {text}")),
     };
-    findings.notes.extend(alike.into_values().map(note));
-    findings.note_order_of_magnitude();
-    findings.note_unknown_errors();
+    report.notes.extend(alike.into_values().map(note));
 }
 
 /// A chart for each group of probabilities, and one for the moments of each order.
-fn charts(read: &Read, findings: &mut Findings) {
-    let chart =
-        |title: String, y_label: &str, is_logarithmic: bool, series: Vec<&ReadSeries>| Chart {
-            title,
-            x_label: "time (s)".to_owned(),
-            y_label: y_label.to_owned(),
-            is_logarithmic,
-
-            x_is_logarithmic: false,
-            spread: String::new(),
-            series: series.into_iter().map(ReadSeries::line).collect(),
-        };
-    for (group, title) in PROBABILITIES {
-        let series: Vec<&ReadSeries> =
-            read.quantities.iter().filter(|it| it.group() == group).collect();
+fn charts(content: &Content, report: &mut Report) {
+    let over_time = |title: String, label: &str, series: &[&Series]| {
+        let labels = ["time (s)".to_owned(), label.to_owned()];
+        chart(title, labels, series.iter().map(|it| it.line()).collect())
+    };
+    for by in Probability::ALL {
+        let series: Vec<&Series> =
+            content.quantities.iter().filter(|it| it.of.estimator() == Some(by)).collect();
         if series.iter().any(|it| it.values.len() > 1) {
-            findings.charts.push(chart(format!("{title} over time"), "probability", true, series));
+            let chart = over_time(title(by).to_owned(), "probability", &series);
+            report.charts.push(Chart { is_logarithmic: true, ..chart });
         }
     }
-    let mut orders: BTreeMap<u32, Vec<&ReadSeries>> = BTreeMap::new();
-    for series in &read.quantities {
-        if let Some(order) = series.order() {
-            orders.entry(order).or_default().push(series);
+    let mut orders: BTreeMap<u32, Vec<&Series>> = BTreeMap::new();
+    for series in &content.quantities {
+        if let Quantity::Moment(powers) = &series.of {
+            orders.entry(powers.iter().sum()).or_default().push(series);
         }
     }
     for (order, series) in orders {
         if series.iter().any(|it| it.values.len() > 1) {
             let label = format!("moment of order {order}");
-            findings.charts.push(chart(
-                format!("Moments of order {order} over time"),
-                &label,
-                false,
-                series,
-            ));
+            let title = format!("Moments of order {order} over time");
+            report.charts.push(over_time(title, &label, &series));
         }
     }
 }
 
-fn tables(read: &Read, findings: &mut Findings) {
+fn tables(content: &Content, report: &mut Report) {
     let heads = ["quantity", "id", "time (s)", "value", "error", "how the error is known", "note"];
-    let table = |title: &str, rows: Vec<Vec<Cell>>| Table {
-        title: title.to_owned(),
-        about: String::new(),
-        heads: heads.map(str::to_owned).to_vec(),
-        rows,
-    };
-    let all = read.quantities.iter().flat_map(|it| it.rows(0)).collect();
-    let last = read.quantities.iter().flat_map(|it| it.rows(it.values.len().saturating_sub(1)));
-    findings.table_over_time(
-        table("All values", all),
-        table("Values at the last time", last.collect()),
+    let all = content.quantities.iter().flat_map(|it| it.rows(0)).collect();
+    let last = content.quantities.iter().flat_map(|it| it.rows(it.values.len().saturating_sub(1)));
+    report.table_over_time(
+        table("All values", &heads, all),
+        table("Values at the last time", &heads, last.collect()),
     );
 }
 
-fn facts(read: &Read, findings: &mut Findings) {
-    findings.fact("method", method_words(&read.scene["method"]));
-    if let Some(seed) = read.seed {
-        findings.fact("seed", seed.to_string());
+fn facts(content: &Content, report: &mut Report) {
+    if let Some(seed) = content.seed {
+        report.fact("seed", seed.to_string());
     }
-    findings.counts(&read.work);
-    let last = || read.quantities.iter().filter_map(|it| Some((it, it.values.last()?)));
-    let by_two: Vec<(f64, &str)> = last()
-        .filter(|(_, it)| it.error_kind == "two_resolutions" && it.value != 0.0)
-        .filter_map(|(series, it)| Some((it.error? / it.value.abs(), series.id.as_str())))
+    report.counts(&content.work);
+    let last = || content.quantities.iter().filter_map(|it| Some((it, it.values.last()?)));
+    let by_two: Vec<(f64, &Quantity)> = last()
+        .filter(|(_, it)| it.error_kind == ErrorOrigin::TwoResolutions && it.value != 0.0)
+        .filter_map(|(series, it)| Some((it.error? / it.value.abs(), &series.of)))
         .collect();
-    if let Some((worst, id)) = by_two.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
-        findings.fact(
+    if let Some((worst, of)) = by_two.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
+        report.fact(
             "resolutions",
             format!(
-                "errors of {} come from coarser runs; the largest relative one at the last time is {} ({id})",
+                "errors of {} come from coarser runs; the largest relative one at the last time is {} ({of})",
                 counted(by_two.len(), "quantity").replace("quantitys", "quantities"),
                 percent(*worst)
             ),
         );
     }
-    let weights: Vec<&ReadWeights> = last().filter_map(|(_, it)| it.weights.as_ref()).collect();
+    let weights: Vec<&WeightsRecord> = last().filter_map(|(_, it)| it.weights.as_ref()).collect();
     if let Some(least) = weights.iter().map(|it| it.effective_sample_size).reduce(f64::min) {
         let share = weights.iter().map(|it| it.largest_share).fold(0.0, f64::max);
-        findings.fact(
+        report.fact(
             "effective sample size",
             format!(
                 "at least {} at the last time; the largest share of one path is {}",
@@ -264,48 +159,26 @@ fn facts(read: &Read, findings: &mut Findings) {
     }
 }
 
-fn sources(scene: &Value) -> Vec<Source> {
-    let is = |method: &str| scene["method"].get(method).is_some() || scene["method"] == method;
-    let of_method: &[Source] = match () {
-        () if is("guided_paths") => &[GIRSANOV_1960, MACKE_2003],
-        () if is("subset_simulation") => &[AU_BECK_2001],
-        () if is("statistical_linearisation") => &[ROBERTS_1990],
-        () if is("conservative_grid") => &[SCHARFETTER_1969],
-        () if is("monte_carlo") => &[],
-        () => &[CANOR_2013],
-    };
-    of_method.to_vec()
-}
-
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
 
     #[test]
-    fn a_probability_that_no_particle_carries_is_a_bound_on_terminal_page_and_chart() {
-        let value = |t: f64, value: f64, error: f64, kind: &str| json!({ "t": t, "value": value, "error": error, "error_kind": kind });
-        let series = |id: &str, last: Value| {
-            let first = value(1.0, 0.5, 0.01, "two_resolutions");
-            json!({ "id": id, "quantity": id, "unit": "", "values": [first, last] })
-        };
-        let result = json!({
-            "scene": { "method": "flow_map_fit" }, "work": {}, "unknown": [],
-            "quantities": [
-                series("exceedance-cell/2", value(2.0, 1.7e-7, 2.5e-7, "bound")),
-                series("exceedance-cell/1", value(2.0, 1e-3, 2e-5, "bound")),
-                // A covariance may have either sign: its bound is one of the error.
-                series("moment/1-1", value(2.0, -0.01, 0.02, "bound")),
-            ]
-        });
-        let found = findings(&result).unwrap();
-        let shown: Vec<String> = found.answers.iter().map(Answer::value_and_error).collect();
-        assert_eq!(shown, ["< 4.2e-7", "0.001000 ± 2.0e-5", "-0.010 ± 0.020"]);
-        let points = &found.charts[0].series[0].points;
+    fn a_probability_that_no_particle_carries_is_a_bound_on_table_and_chart() {
+        let first = Observed::by_two(1.0, 0.5, Some(0.01));
+        let mut small = Observed::by_two(2.0, 1.7e-7, Some(1e-9));
+        small.bounded_by(2.5e-7);
+        let of = Quantity::Probability { by: Probability::Cell, threshold: 2.0 };
+        let (quantity, values) = ("P(|q| > 2)".to_owned(), vec![first, small]);
+        let tail = Series { of, quantity, unit: String::new(), values };
+        let points = tail.line().points;
         assert_eq!((points[0].bound, points[1].bound), (None, Some(1.7e-7 + 2.5e-7)));
-        let cells: Vec<&str> =
-            found.tables[0].rows[1].iter().map(|cell| cell.text.as_str()).collect();
+        let row = tail.rows(1).next().unwrap();
+        let cells: Vec<&str> = row.iter().map(|cell| cell.text.as_str()).collect();
         assert_eq!(cells[3..5], ["< 4.2e-7", ""]);
+        // A covariance may have either sign: its bound is one of the error.
+        let of = Quantity::Moment(vec![1, 1]);
+        let covariance = Series { of, ..tail };
+        assert_eq!(covariance.line().points[1].bound, None);
     }
 }

@@ -1,5 +1,6 @@
 //! Ingredients that can be left out of a density scene.
 
+use super::record::Quantity;
 use crate::fpk::lattice_scene::{DegreeScene, FilterScene, LatticeScene};
 use crate::fpk::law_scene::LawScene;
 use crate::fpk::method_scene::MethodScene;
@@ -44,6 +45,7 @@ fn unfiltered(scene: &FpkScene) -> Option<Ingredient> {
         SystemScene::CloughPenzien { structure, .. } => (structure, 4),
         _ => return None,
     };
+    let renamed = renamed_moments(scene, states_lost);
     let mut scene = without_last_states(scene, states_lost);
     scene.system = match structure.clone() {
         ShakenScene::LinearOscillator(structure) => SystemScene::LinearOscillator(structure),
@@ -55,8 +57,8 @@ fn unfiltered(scene: &FpkScene) -> Option<Ingredient> {
     if let LawScene::StationaryFilter { mean, standard_deviation } = scene.initial {
         scene.initial = LawScene::Gaussian { mean, standard_deviation };
     }
-    let ingredient = ingredient("the filter of the ground", Some(scene))?;
-    Some(Ingredient { states_lost, ..ingredient })
+    let without = ingredient("the filter of the ground", Some(scene))?;
+    Some(Ingredient { renamed, ..without })
 }
 
 /// The oscillator with a linear spring and a linear damper.
@@ -73,9 +75,23 @@ fn linear(scene: &FpkScene) -> Option<Ingredient> {
         }
         _ => return None,
     };
+    let renamed = renamed_moments(scene, states_lost);
     let scene = without_last_states(scene, states_lost);
     let scene = FpkScene { system: SystemScene::LinearOscillator(structure), ..scene };
-    Some(Ingredient { states_lost, ..ingredient(name, Some(scene))? })
+    Some(Ingredient { renamed, ..ingredient(name, Some(scene))? })
+}
+
+/// Powers of a moment without those of the last states; none for a moment of these states.
+fn without_last_powers(powers: &[u32], lost: usize) -> Option<Vec<u32>> {
+    let (kept, lost) = powers.split_at(powers.len().checked_sub(lost)?);
+    lost.iter().all(|&power| power == 0).then(|| kept.to_vec())
+}
+
+/// Ids of the moments of a scene, each with its id without the last states.
+fn renamed_moments(scene: &FpkScene, lost: usize) -> Vec<(String, Option<String>)> {
+    let id = |powers: &[u32]| Quantity::Moment(powers.to_vec()).to_string();
+    let moments = scene.moments.iter().filter(|_| lost > 0);
+    moments.map(|it| (id(it), without_last_powers(it, lost).map(|kept| id(&kept)))).collect()
 }
 
 /// Removes the last states: lists become shorter, and moments and pictures of the removed states are dropped.
@@ -85,11 +101,8 @@ fn without_last_states(scene: &FpkScene, lost: usize) -> FpkScene {
         return scene;
     }
     scene.planes = None;
-    let of_kept = |powers: &Vec<u32>| {
-        let (kept, lost) = powers.split_at(powers.len().checked_sub(lost)?);
-        lost.iter().all(|&power| power == 0).then(|| kept.to_vec())
-    };
-    scene.moments = scene.moments.iter().filter_map(of_kept).collect();
+    let kept = scene.moments.iter().filter_map(|powers| without_last_powers(powers, lost));
+    scene.moments = kept.collect();
     if let LawScene::Gaussian { mean, standard_deviation } = &mut scene.initial {
         shorten(mean, lost);
         shorten(standard_deviation, lost);
@@ -188,7 +201,7 @@ mod tests {
             let file = SceneFile::from_text(name, text).unwrap();
             file.parse::<FpkScene>().unwrap_or_else(|error| panic!("without {name}: {error:?}"));
         }
-        all.into_iter().map(|ingredient| (ingredient.name, ingredient.states_lost)).collect()
+        all.into_iter().map(|it| (it.name, it.renamed.len())).collect()
     }
 
     #[test]

@@ -7,12 +7,12 @@ use super::asked::{asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
+use crate::answers::Unknown;
 use crate::clock::CpuClock;
 use crate::fpk::paths::Paths;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::RunError;
-use crate::run_result::Unknown;
 
 /// Solves a scene by statistical linearisation.
 pub(super) struct Linearised<'a> {

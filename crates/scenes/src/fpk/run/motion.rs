@@ -1,65 +1,44 @@
 //! The marginal densities of a run as moving fields of its page.
 
-use result_figures::{Drawing, Plane};
 use result_pages::{Cells, Frame, Layer, Motion, Place, Scale};
-use serde_json::Value;
 
-use super::findings;
-use crate::findings::Findings;
+use super::pictures::PlaneAt;
 
-/// Start of the name of a plane's drawing.
-const PLANE: &str = "plane-";
+/// Which key turns on the density over time.
+pub(super) const ABSENT: &str = "The density over time is not shown: the key \"planes\" of the scene names planes of two states, and times. \
+                                The density methods have it.";
 
-/// Findings of a density scene, with the key that turns on what its page could show.
-pub(super) fn findings(result: &Value) -> Result<Findings, serde_json::Error> {
-    let mut found = findings::findings(result)?;
-    let scene = &result["scene"];
-    if scene["planes"].is_null() {
-        let text = "The density over time is not shown: the key \"planes\" of the scene names planes of two states, and times. \
-                    The density methods have it.";
-        found.absent.push(text.to_owned());
-    }
-    Ok(found)
-}
-
-/// A field for each plane that was drawn, its times in order.
-pub(super) fn motions(drawings: &[Drawing]) -> Result<Vec<Motion>, serde_json::Error> {
-    let mut planes: Vec<(&str, Vec<(&str, &Drawing)>)> = Vec::new();
-    for drawing in drawings {
-        let Some((name, t)) = drawing.name.rsplit_once("-t") else { continue };
-        if !name.starts_with(PLANE) {
-            continue;
-        }
-        match planes.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, frames)) => frames.push((t, drawing)),
-            None => planes.push((name, vec![(t, drawing)])),
+/// A field for each plane that was observed, its times in order.
+pub(super) fn motions(observed: &[PlaneAt]) -> Vec<Motion> {
+    let mut planes: Vec<Vec<&PlaneAt>> = Vec::new();
+    for plane in observed {
+        match planes.iter_mut().find(|known| known[0].states == plane.states) {
+            Some(frames) => frames.push(plane),
+            None => planes.push(vec![plane]),
         }
     }
     let n = planes.len();
-    planes.iter().map(|(_, frames)| motion(frames, n)).collect()
+    planes.iter().map(|frames| motion(frames, n)).collect()
 }
 
-/// A plane; the budget of the page is shared by `n_planes`.
-fn motion(drawn: &[(&str, &Drawing)], n_planes: usize) -> Result<Motion, serde_json::Error> {
-    let read = |(t, drawing): &(&str, &Drawing)| {
-        Ok(((*t).to_owned(), serde_json::from_str::<Plane>(&drawing.data)?))
-    };
-    let first = read(&drawn[0])?.1;
+/// A plane over time; the budget of the page is shared by `n_planes`.
+fn motion(observed: &[&PlaneAt], n_planes: usize) -> Motion {
+    let first = &observed[0].chart;
     let bytes = n_planes * first.values.iter().map(Vec::len).sum::<usize>();
-    let shown = Motion::shown_frames(drawn.len(), Motion::BUDGET / bytes.max(1));
-    let about = match drawn.len() - shown.len() {
+    let shown = Motion::shown_frames(observed.len(), Motion::BUDGET / bytes.max(1));
+    let about = match observed.len() - shown.len() {
         0 => String::new(),
-        left_out => format!("{left_out} of {} times are left out.", drawn.len()),
+        left_out => format!("{left_out} of {} times are left out.", observed.len()),
     };
     let (mut frames, mut cells, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    for k in shown {
-        let (t, plane) = read(&drawn[k])?;
+    for PlaneAt { t, chart, .. } in shown.into_iter().map(|k| observed[k]) {
         let ends = |edges: &[f64]| [edges[0], edges[edges.len() - 1]];
-        let count = [plane.x.len() - 1, plane.y.len() - 1];
-        cells.push(Cells { count, x: ends(&plane.x), y: ends(&plane.y) });
+        let count = [chart.x.len() - 1, chart.y.len() - 1];
+        cells.push(Cells { count, x: ends(&chart.x), y: ends(&chart.y) });
         #[expect(clippy::cast_possible_truncation, reason = "a byte is what is shown of it")]
-        let packed = plane.values.iter().flatten().map(|&value| value as f32).collect();
+        let packed = chart.values.iter().flatten().map(|&value| value as f32).collect();
         values.push(packed);
+        let t = format!("{t:.3}");
         frames.push(Frame {
             name: format!("t = {} s", t.trim_end_matches('0').trim_end_matches('.')),
         });
@@ -68,7 +47,7 @@ fn motion(drawn: &[(&str, &Drawing)], n_planes: usize) -> Result<Motion, serde_j
     let smoothing = first.words.caption.first().cloned().unwrap_or_default();
     let layer =
         Layer { name: "density".to_owned(), unit: String::new(), scale: Scale::SixDecades, values };
-    Ok(Motion {
+    Motion {
         title: format!("Marginal density of {across} and {up}"),
         about: format!("{smoothing} {about}").trim().to_owned(),
         slider: "time".to_owned(),
@@ -76,5 +55,5 @@ fn motion(drawn: &[(&str, &Drawing)], n_planes: usize) -> Result<Motion, serde_j
         frames,
         place: Place::Cells(cells),
         layers: vec![layer],
-    })
+    }
 }

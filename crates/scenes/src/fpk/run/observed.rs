@@ -4,7 +4,7 @@ use random_vibration::GuidedEstimate;
 use sde_integrators::Estimate;
 use serde::Serialize;
 
-use crate::run_result::{ErrorOrigin, error_of};
+use crate::answers::{ErrorOrigin, Number};
 
 /// A quantity at a time, with its error.
 #[derive(Debug, Clone, Serialize)]
@@ -26,8 +26,8 @@ pub(crate) struct Observed {
 pub(crate) struct WeightsRecord {
     paths: u64,
     hits: u64,
-    effective_sample_size: f64,
-    largest_share: f64,
+    pub(crate) effective_sample_size: f64,
+    pub(crate) largest_share: f64,
     strength: f64,
 }
 
@@ -97,13 +97,18 @@ impl Observed {
 
     /// An estimate with its uncertainty.
     pub(crate) fn of_estimate(t: f64, estimate: &Estimate) -> Self {
-        let (error, error_kind) = error_of(estimate);
-        Self { t, value: estimate.value, error, error_kind, note: None, weights: None }
+        let Number { value, error, error_kind } = Number::from(*estimate);
+        Self { t, value, error, error_kind, note: None, weights: None }
     }
 
     /// An estimate of guided paths.
     pub(crate) fn of_guided(t: f64, found: &GuidedEstimate) -> Self {
         Self { weights: Some(WeightsRecord::of(found)), ..Self::of_estimate(t, &found.estimate) }
+    }
+
+    /// The value with its error.
+    pub(crate) const fn number(&self) -> Number {
+        Number { value: self.value, error: self.error, error_kind: self.error_kind }
     }
 
     /// The value, unless its error is as large.

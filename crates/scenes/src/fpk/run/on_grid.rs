@@ -6,11 +6,11 @@ use super::asked::{OtherDimension, asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series, moment_words};
+use crate::answers::Unknown;
 use crate::clock::CpuClock;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
 use crate::kind::{Run, RunError};
-use crate::run_result::Unknown;
 
 /// Results at one time.
 struct Row {

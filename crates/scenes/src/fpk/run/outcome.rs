@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use result_figures::Drawing;
-
+use super::pictures::PlaneAt;
 use super::record::{Series, WorkRecord};
-use crate::run_result::Unknown;
+use crate::answers::Unknown;
 
 /// Results of a scene by a method.
 #[derive(Debug, Default)]
@@ -15,8 +14,8 @@ pub(super) struct Outcome {
     pub(super) unknown: Vec<Unknown>,
     pub(super) quantities: Vec<Series>,
     pub(super) seed: Option<u64>,
-    /// Pictures of the density itself.
-    pub(super) drawings: Vec<Drawing>,
+    /// Marginal densities over planes of two states.
+    pub(super) planes: Vec<PlaneAt>,
     /// Files already written.
     pub(super) files: Vec<PathBuf>,
     /// The result is that of a shard, or is on another rank.

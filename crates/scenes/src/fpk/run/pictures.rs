@@ -38,7 +38,8 @@ pub(super) struct Pictures<'a> {
     states: &'a [&'static str],
     planes: Vec<[usize; 2]>,
     bandwidth: f64,
-    folder: PathBuf,
+    /// Of the clouds; none of a run in memory.
+    folder: Option<PathBuf>,
     seen: Seen,
     failure: Option<SolverError>,
 }
@@ -47,9 +48,25 @@ pub(super) struct Pictures<'a> {
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(super) struct Seen {
     n_times: usize,
-    drawings: Vec<Drawing>,
+    planes: Vec<PlaneAt>,
     /// Time and file.
     frames: Vec<(f64, String)>,
+}
+
+/// The marginal density over a plane of two states at a time.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct PlaneAt {
+    pub(super) states: [usize; 2],
+    pub(super) t: f64,
+    pub(super) chart: Plane,
+}
+
+impl PlaneAt {
+    pub(super) fn drawing(&self) -> Result<Drawing, RunError> {
+        let Words { x_label, y_label, .. } = &self.chart.words;
+        let name = format!("plane-{x_label}-{y_label}-t{:.3}", self.t);
+        Drawing::plane(&name, &self.chart).map_err(RunError::solver)
+    }
 }
 
 impl<'a> Pictures<'a> {
@@ -57,7 +74,7 @@ impl<'a> Pictures<'a> {
         scene: &'a FpkScene,
         states: &'a [&'static str],
         config: &Config<D>,
-        out: &Path,
+        out: Option<&Path>,
         seen: Seen,
     ) -> Self {
         Self {
@@ -65,7 +82,7 @@ impl<'a> Pictures<'a> {
             states,
             planes: scene.plane_states(states).unwrap_or_default(),
             bandwidth: BANDWIDTH_OVER_SPACING * spacing(&config.lattice),
-            folder: out.join("cloud"),
+            folder: out.map(|out| out.join("cloud")),
             seen,
             failure: None,
         }
@@ -78,11 +95,10 @@ impl<'a> Pictures<'a> {
     ) {
         let (simulation, Some(row)) = (standing.simulation, standing.rows.last()) else { return };
         self.seen.n_times += 1;
-        if self.failure.is_some() {
-            return;
-        }
-        let seen =
-            self.draw_planes(simulation, row).and_then(|()| self.write_cloud(simulation, row));
+        let (None, Some(folder)) = (&self.failure, self.folder.clone()) else { return };
+        let seen = self
+            .observe_planes(simulation, row)
+            .and_then(|()| self.write_cloud(simulation, row, &folder));
         self.failure = seen.err();
     }
 
@@ -92,22 +108,22 @@ impl<'a> Pictures<'a> {
     }
 
     /// Returns the pictures and the files written.
-    pub(super) fn finish(self) -> Result<(Vec<Drawing>, Vec<PathBuf>), RunError> {
+    pub(super) fn finish(self) -> Result<(Vec<PlaneAt>, Vec<PathBuf>), RunError> {
         if let Some(failure) = self.failure {
             return Err(RunError::Solver(failure));
         }
         let mut files = Vec::new();
-        if !self.seen.frames.is_empty() {
-            let path = self.folder.join("cloud.pvd");
+        if let Some(folder) = self.folder.filter(|_| !self.seen.frames.is_empty()) {
+            let path = folder.join("cloud.pvd");
             let frames = self.seen.frames.iter().map(|(t, name)| (*t, name.as_str()));
             let file = File::create(&path).map_err(RunError::solver)?;
             write_pvd(frames, BufWriter::new(file)).map_err(RunError::solver)?;
             files.push(path);
         }
-        Ok((self.seen.drawings, files))
+        Ok((self.seen.planes, files))
     }
 
-    fn draw_planes<S: Sde<D, M>, const D: usize, const M: usize>(
+    fn observe_planes<S: Sde<D, M>, const D: usize, const M: usize>(
         &mut self,
         simulation: &Simulation<S, D, M>,
         row: &Row,
@@ -134,8 +150,7 @@ impl<'a> Pictures<'a> {
                 caption: vec![smoothing, Machine::read().caption()],
             };
             let chart = Plane { words, x: density.x, y: density.y, values: density.values };
-            let name = format!("plane-{across}-{up}-t{:.3}", row.t);
-            self.seen.drawings.push(Drawing::plane(&name, &chart)?);
+            self.seen.planes.push(PlaneAt { states: plane, t: row.t, chart });
         }
         Ok(())
     }
@@ -145,6 +160,7 @@ impl<'a> Pictures<'a> {
         &mut self,
         simulation: &Simulation<S, D, M>,
         row: &Row,
+        folder: &Path,
     ) -> Result<(), SolverError> {
         let Some(cloud) = self.scene.cloud else { return Ok(()) };
         if !self.seen.n_times.is_multiple_of(cloud.every_observations) {
@@ -161,9 +177,9 @@ impl<'a> Pictures<'a> {
             store.add(self.states[k], positions.iter().map(|x| x[k]).collect::<Vec<f64>>())?;
         }
         store.set_attribute("time", Attribute::Real(row.t));
-        std::fs::create_dir_all(&self.folder)?;
+        std::fs::create_dir_all(folder)?;
         let name = format!("cloud-{:04}.vtu", self.seen.frames.len());
-        write_to_disk(&self.folder.join(&name), |out| store.write_vtu(places, out))?;
+        write_to_disk(&folder.join(&name), |out| store.write_vtu(places, out))?;
         self.seen.frames.push((row.t, name));
         Ok(())
     }

@@ -1,13 +1,15 @@
 //! Result file of a run: quantities over time, each value with its error.
 
-use serde::Serialize;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
 
 use super::observed::Observed;
 use super::resolutions::Resolutions;
+use crate::answers::Unknown;
 use crate::fpk::density::Exceedances;
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::System;
-use crate::run_result::Unknown;
 
 /// Keys that this kind adds to the schema `run-result/1`.
 #[derive(Debug, Serialize)]
@@ -35,38 +37,129 @@ pub(crate) struct WorkRecord {
 /// A quantity over time.
 #[derive(Debug, Serialize)]
 pub(crate) struct Series {
-    pub(crate) id: String,
+    #[serde(rename = "id", serialize_with = "as_text")]
+    pub(crate) of: Quantity,
     pub(crate) quantity: String,
     pub(crate) unit: String,
     pub(crate) values: Vec<Observed>,
 }
 
-/// An exceedance estimator: suffix of its id, and its field.
-type Estimator = (&'static str, fn(&Exceedances) -> Option<f64>);
+/// What a series is of. Its text is the id in `result.json`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Quantity {
+    /// The mean of a product of powers of the states.
+    Moment(Vec<u32>),
+    /// The probability that a demand is above a threshold.
+    Probability {
+        by: Probability,
+        threshold: f64,
+    },
+    TotalMass,
+    CellMass,
+    Entropy,
+}
 
-const CELL: &str = "cell";
+/// Estimators of a probability, the best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Probability {
+    /// First passages up to a time.
+    FirstPassage,
+    /// Exceedance at a time, integrated over cells.
+    Cell,
+    /// Interpolated between particles.
+    LogInterpolated,
+    /// By the only estimator of a method.
+    Exceedance,
+    /// Masses counted.
+    Indicator,
+}
+
+impl Probability {
+    pub(super) const ALL: [Self; 5] =
+        [Self::FirstPassage, Self::Cell, Self::LogInterpolated, Self::Exceedance, Self::Indicator];
+
+    const fn id(self) -> &'static str {
+        match self {
+            Self::FirstPassage => "first-passage",
+            Self::Cell => "exceedance-cell",
+            Self::LogInterpolated => "exceedance-log-interpolated",
+            Self::Exceedance => "exceedance",
+            Self::Indicator => "exceedance-indicator",
+        }
+    }
+}
+
+impl Quantity {
+    /// The id by which a probability is compared, whatever its estimator.
+    pub(super) fn shared_id(&self) -> String {
+        match *self {
+            Self::Probability { by, threshold } if by != Probability::FirstPassage => {
+                Self::Probability { by: Probability::Exceedance, threshold }.to_string()
+            }
+            _ => self.to_string(),
+        }
+    }
+
+    /// The estimator of a probability; none for another quantity.
+    pub(super) const fn estimator(&self) -> Option<Probability> {
+        if let Self::Probability { by, .. } = self { Some(*by) } else { None }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Moment(powers) => {
+                let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();
+                write!(formatter, "moment/{}", powers.join("-"))
+            }
+            Self::Probability { by, threshold } => write!(formatter, "{}/{threshold}", by.id()),
+            Self::TotalMass => formatter.write_str("total-mass"),
+            Self::CellMass => formatter.write_str("cell-mass"),
+            Self::Entropy => formatter.write_str("entropy"),
+        }
+    }
+}
+
+fn as_text<S: Serializer>(of: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(of)
+}
+
+/// Probabilities by the best estimator that the method has.
+pub(crate) fn best_probabilities(quantities: &[Series]) -> impl Iterator<Item = &Series> {
+    let best = quantities.iter().filter_map(|series| series.of.estimator()).min();
+    quantities.iter().filter(move |series| best.is_some() && series.of.estimator() == best)
+}
+
+/// Values of an exceedance by its estimator.
+type Estimator = (Probability, fn(&Exceedances) -> Option<f64>);
+
 const ESTIMATORS: [Estimator; 3] = [
-    (CELL, |e| e.cell_integrated),
-    ("log-interpolated", |e| Some(e.log_interpolated)),
-    ("indicator", |e| Some(e.indicator)),
+    (Probability::Cell, |e| e.cell_integrated),
+    (Probability::LogInterpolated, |e| Some(e.log_interpolated)),
+    (Probability::Indicator, |e| Some(e.indicator)),
 ];
 
 /// All quantities of the scene, without those that the method does not compute.
 pub(super) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
-    let series =
-        |id: String, quantity: String, values| Series { id, quantity, unit: String::new(), values };
+    let series = |of: Quantity, quantity: String, values| Series {
+        of,
+        quantity,
+        unit: String::new(),
+        values,
+    };
     let mut all = Vec::new();
     for (k, powers) in scene.moments.iter().enumerate() {
         let values = both.values(|row| Some(row.moments[k]));
         all.push(moment_series(powers, system, values));
     }
     let demand = demand_name(scene, system);
-    for (name, pick) in ESTIMATORS {
-        for (k, threshold) in scene.thresholds.iter().enumerate() {
+    for (by, pick) in ESTIMATORS {
+        for (k, &threshold) in scene.thresholds.iter().enumerate() {
             let mut values = both.values(|row| pick(&row.exceedances[k]));
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
-                if name == CELL {
+                if by == Probability::Cell {
                     observed.note.clone_from(&row.exceedances[k].note);
                     // `Probability::Below`: a difference of runs says nothing of what no particle carries.
                     if observed.value <= row.mass_outside {
@@ -78,21 +171,21 @@ pub(super) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> V
                 }
             }
             let quantity = format!("P(|{demand}| > {threshold})");
-            all.push(series(format!("exceedance-{name}/{threshold}"), quantity, values));
+            all.push(series(Quantity::Probability { by, threshold }, quantity, values));
         }
     }
     all.push(series(
-        "total-mass".into(),
+        Quantity::TotalMass,
         "sum of the masses".into(),
         both.values(|row| Some(row.total_mass)),
     ));
     all.push(series(
-        "cell-mass".into(),
+        Quantity::CellMass,
         "mass over the cells".into(),
         both.values(|row| row.cell_mass),
     ));
     all.push(series(
-        "entropy".into(),
+        Quantity::Entropy,
         "entropy (nats)".into(),
         both.values(|row| Some(row.entropy)),
     ));
@@ -112,17 +205,18 @@ pub(super) fn asked_series(
     let moments = scene.moments.iter().enumerate();
     let moments = moments.map(|(k, powers)| moment_series(powers, system, moment(k)));
     let demand = demand_name(scene, system);
-    let exceedances = scene.thresholds.iter().enumerate().map(|(k, threshold)| {
+    let exceedances = scene.thresholds.iter().enumerate().map(|(k, &threshold)| {
         let quantity = format!("P(|{demand}| > {threshold})");
-        let id = format!("exceedance/{threshold}");
-        Series { id, quantity, unit: String::new(), values: exceedance(k) }
+        let of = Quantity::Probability { by: Probability::Exceedance, threshold };
+        Series { of, quantity, unit: String::new(), values: exceedance(k) }
     });
     moments.chain(exceedances).filter(|series| !series.values.is_empty()).collect()
 }
 
 fn moment_series(powers: &[u32], system: &System, values: Vec<Observed>) -> Series {
-    let (id, quantity) = (moment_id(powers), moment_words(powers, system.states()));
-    Series { id, quantity, unit: moment_unit(powers, system.states()), values }
+    let of = Quantity::Moment(powers.to_vec());
+    let quantity = moment_words(powers, system.states());
+    Series { of, quantity, unit: moment_unit(powers, system.states()), values }
 }
 
 /// Unit of a moment, e.g. `m^2/s` of `E[q v]`; none of a process whose states have the unit of the user.
@@ -145,12 +239,6 @@ pub(super) fn moment_unit(powers: &[u32], states: &[&str]) -> String {
         (length, 0) => power_of("m", length),
         (length, time) => format!("{}/{}", power_of("m", length), power_of("s", time)),
     }
-}
-
-/// Id of a moment, e.g. `moment/2-0`.
-pub(super) fn moment_id(powers: &[u32]) -> String {
-    let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();
-    format!("moment/{}", powers.join("-"))
 }
 
 /// Symbol of a moment, e.g. `E[q^2 v]`, without states to the power of zero.

@@ -3,8 +3,8 @@
 use fpk_sph::{Combination, Config, Error, InitialLattice, Method, StepRule};
 
 use super::observed::Observed;
+use crate::answers::Unknown;
 use crate::fpk::density::{DensityRun, Row};
-use crate::run_result::Unknown;
 
 /// Resolutions of the coarser runs, as particles along a length relative to the fine run.
 ///

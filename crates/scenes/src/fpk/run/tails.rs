@@ -11,13 +11,13 @@ use super::linearised::order;
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
+use crate::answers::Unknown;
 use crate::clock::CpuClock;
 use crate::fpk::paths::{Paths, PathsError};
 use crate::fpk::scene::FpkScene;
 use crate::fpk::system::{System, Visitor};
 use crate::kind::{Inputs, Run, RunError};
 use crate::path_blocks::{Computed, PathBlocks};
-use crate::run_result::Unknown;
 
 /// Solves the exceedances of a scene.
 pub(super) struct TailsOf<'a> {

@@ -18,11 +18,9 @@ pub(super) fn write(
     scene: &CrackScene,
     problem: &CrackProblem,
     run: &CrackRun,
-    out: &Path,
+    out: Option<&Path>,
 ) -> Result<Vec<PathBuf>, RunError> {
-    if scene.output.vtu.is_empty() {
-        return Ok(Vec::new());
-    }
+    let Some(out) = out.filter(|_| !scene.output.vtu.is_empty()) else { return Ok(Vec::new()) };
     let growth = Growth::of(scene, problem, &run.kept.iter().collect::<Vec<_>>())?;
     files(problem, run, &growth, &out.join("fields")).map_err(RunError::Solver)
 }

@@ -1,10 +1,9 @@
 //! Ladder of schemes and precisions for a crack scene.
 
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, whole};
+use crate::ladder::{Growth, Ladder, Method, Rung, Standing, whole};
 use crate::peridyn::scene::{CrackScene, EnsembleScene, PrecisionScene};
 use crate::peridyn::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
 use crate::scene::SceneFile;
@@ -102,54 +101,5 @@ fn method(
         standing: Standing::Judge,
         first: FIRST,
         rung: Box::new(rung),
-    }
-}
-
-/// Means and standard deviations of failure load, exit and length.
-pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
-    let laws = [
-        ("failure_load", "failure load"),
-        ("exit", "height of exit"),
-        ("length", "length of the crack"),
-    ];
-    laws.iter().flat_map(|(key, words)| law(key, words, &result[key])).collect()
-}
-
-fn law(id: &str, words: &str, law: &Value) -> Vec<Quantity> {
-    let mut all = Vec::new();
-    let quantity = |name: &str, value: f64, error: Option<f64>| Quantity {
-        id: format!("{id}/{name}"),
-        words: format!("{} of the {words}", name.replace('_', " ")),
-        value,
-        error,
-        scale: value.abs(),
-    };
-    if let Some(mean) = law["mean"]["value"].as_f64() {
-        all.push(quantity("mean", mean, law["mean"]["error"].as_f64().map(|error| 2.0 * error)));
-    }
-    let deviation = &law["standard_deviation"];
-    let ends = (deviation["low"].as_f64(), deviation["high"].as_f64());
-    if let (Some(value), (Some(low), Some(high))) = (deviation["value"].as_f64(), ends) {
-        // A 95 % interval extends two standard errors to each side.
-        all.push(quantity("standard_deviation", value, Some(0.5 * (high - low))));
-    }
-    all
-}
-
-#[cfg(test)]
-mod tests {
-    use serde_json::json;
-
-    use super::*;
-
-    #[test]
-    fn means_tell_two_standard_errors_and_spreads_half_their_interval() {
-        let deviation = json!({ "value": 0.5, "low": 0.4, "high": 0.7 });
-        let result = json!({ "failure_load": {
-            "mean": { "value": 10.0, "error": 0.1 }, "standard_deviation": deviation } });
-        let found = quantities(&result);
-        assert_eq!((found[0].id.as_str(), found[0].error), ("failure_load/mean", Some(0.2)));
-        assert!((found[1].error.unwrap() - 0.15).abs() < 1e-12);
-        assert_eq!(found.len(), 2);
     }
 }

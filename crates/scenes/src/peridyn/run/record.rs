@@ -7,10 +7,10 @@ use peridyn_sde::statistics::{
 use sde_integrators::{Accumulator, Estimate};
 use serde::Serialize;
 
+use crate::answers::{Number, Unknown};
 use crate::kind::RunError;
 use crate::peridyn::scene::CrackScene;
 use crate::peridyn::scene_problem::{CrackProblem, Resolved};
-use crate::run_result::{Number, Unknown};
 use crate::scene::NamedFile;
 
 /// Default distance of path abscissae, in spacings.
@@ -56,70 +56,70 @@ pub(super) struct Record {
     /// Realisations that ended in an error, with its text.
     pub(super) failures: Vec<Failure>,
     /// Probability of each outcome.
-    outcomes: Vec<Outcome>,
+    pub(super) outcomes: Vec<Outcome>,
     /// Crack height at abscissae (m).
-    path: Vec<PathAt>,
+    pub(super) path: Vec<PathAt>,
     /// Height at which cracks leave the body (m).
-    exit: Option<Law>,
+    pub(super) exit: Option<Law>,
     /// Crack length, zero for no growth (m).
-    length: Option<Law>,
+    pub(super) length: Option<Law>,
     /// The largest window-averaged load (N).
     pub(super) failure_load: Option<Law>,
     /// Number of broken bonds, without those of the notch.
-    broken_bonds: Option<Number>,
+    pub(super) broken_bonds: Option<Number>,
     /// One entry for each realisation, by number.
-    realisations: Vec<Realisation>,
+    pub(super) realisations: Vec<Realisation>,
     /// The mean load at the upper edge or the displaced region (N), window by window.
     pub(super) load: Vec<LoadAt>,
 }
 
 /// Result of one realisation.
 #[derive(Debug, Serialize)]
-struct Realisation {
-    number: u64,
-    outcome: &'static str,
+pub(super) struct Realisation {
+    pub(super) number: u64,
+    pub(super) outcome: &'static str,
     /// Crack length (m).
-    length: f64,
+    pub(super) length: f64,
     /// Exit height (m).
-    exit: Option<f64>,
+    pub(super) exit: Option<f64>,
     /// Failure load (N).
-    failure_load: Option<f64>,
-    broken_bonds: u64,
+    pub(super) failure_load: Option<f64>,
+    pub(super) broken_bonds: u64,
 }
 
 /// A failed realisation.
 #[derive(Debug, Serialize)]
 pub(super) struct Failure {
     realisation: u64,
-    reason: String,
+    pub(super) reason: String,
 }
 
 /// Outcomes of realisations.
 #[derive(Debug, Serialize)]
-struct Outcome {
-    outcome: &'static str,
-    probability: Number,
+pub(super) struct Outcome {
+    pub(super) outcome: &'static str,
+    pub(super) probability: Number,
 }
 
 /// Distribution of a number.
 #[derive(Debug, Serialize)]
 pub(super) struct Law {
     /// Number of realisations with a value.
-    realisations: usize,
+    pub(super) realisations: usize,
     /// Number of realisations without a value.
-    missing: usize,
+    pub(super) missing: usize,
     pub(super) mean: Number,
     /// Bootstrap confidence interval; none for fewer than 10 values.
-    standard_deviation: Option<Interval>,
-    quantiles: Vec<Quantile>,
+    pub(super) standard_deviation: Option<Interval>,
+    pub(super) quantiles: Vec<Quantile>,
 }
 
 /// A quantile.
 #[derive(Debug, Serialize)]
-struct Quantile {
-    probability: f64,
+pub(super) struct Quantile {
+    pub(super) probability: f64,
     #[serde(flatten)]
-    number: Number,
+    pub(super) number: Number,
 }
 
 impl From<&Distribution> for Law {
@@ -140,11 +140,11 @@ impl From<&Distribution> for Law {
 
 /// Crack height at an abscissa.
 #[derive(Debug, Serialize)]
-struct PathAt {
-    x: f64,
+pub(super) struct PathAt {
+    pub(super) x: f64,
     /// Probability that a crack reaches it.
-    reach: Number,
-    height: Option<Law>,
+    pub(super) reach: Number,
+    pub(super) height: Option<Law>,
 }
 
 impl From<&Band> for PathAt {
@@ -169,7 +169,29 @@ pub(super) struct LoadAt {
     pub(super) standard_deviation: f64,
 }
 
+/// A number of each realisation and its distribution.
+pub(super) struct Distributed<'a> {
+    /// Its key in the result.
+    pub(super) key: &'static str,
+    pub(super) words: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) law: &'a Law,
+}
+
 impl Record {
+    /// Distributions that are known.
+    pub(super) fn distributions(&self) -> impl Iterator<Item = Distributed<'_>> {
+        [
+            ("failure_load", "failure load", "N", &self.failure_load),
+            ("exit", "height of exit", "m", &self.exit),
+            ("length", "crack length", "m", &self.length),
+        ]
+        .into_iter()
+        .filter_map(|(key, words, unit, law)| {
+            Some(Distributed { key, words, unit, law: law.as_ref()? })
+        })
+    }
+
     pub(super) fn new(
         scene: &CrackScene,
         problem: &CrackProblem,

@@ -41,7 +41,8 @@ pub(super) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    pub(super) fn new(scene: &SmpmScene, times: Vec<f64>, out: &Path) -> Self {
+    /// Frames in a folder; none of a run in memory.
+    pub(super) fn new(scene: &SmpmScene, times: Vec<f64>, out: Option<&Path>) -> Self {
         let mut quantities: Vec<Quantity> = ALWAYS.to_vec();
         for quantity in scene.quantities.iter().filter_map(|name| name.parse().ok()) {
             if !quantities.contains(&quantity) {
@@ -52,9 +53,9 @@ impl<'a> Fields<'a> {
         let name = |(number, time)| (time, format!("fields-{number:04}.vtu"));
         Self {
             checkpoint: None,
-            wanted: scene.fields,
+            wanted: scene.fields && out.is_some(),
             quantities,
-            folder: out.join("fields"),
+            folder: out.map_or_else(PathBuf::new, |out| out.join("fields")),
             frames: times.into_iter().enumerate().map(name).collect(),
             are_shown: false,
             constants: Vec::new(),

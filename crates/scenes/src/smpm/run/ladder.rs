@@ -2,11 +2,10 @@
 
 use result_figures::number::percent;
 use serde::Serialize;
-use serde_json::Value;
 
 use super::solve::DIFFERENCE;
 use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Quantity, Rung, Standing, two_digits, whole};
+use crate::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
 use crate::scene::SceneFile;
 use crate::smpm::method_scene::{DecisiveScene, MethodScene, MomentsScene, MultilevelScene};
 use crate::smpm::scene::SmpmScene;
@@ -149,94 +148,4 @@ fn sized(scene: &SmpmScene, name: &str, method: MethodScene) -> Method {
         (size <= 1.0).then(|| rung(&scene, method, (1.0, String::new())))?
     };
     Method { name: name.to_owned(), growth, standing, first, rung: Box::new(rung) }
-}
-
-/// Mean and standard deviation of every response at the last time.
-pub(super) fn quantities(result: &Value) -> Vec<Quantity> {
-    let is_propagated = result["scene"]["method"] == "propagated";
-    let mut all = Vec::new();
-    for gauge in list(&result["gauges"]) {
-        for quantity in list(&gauge["quantities"]) {
-            let Some(last) = list(&quantity["values"]).last() else { continue };
-            let (Some(gauge), Some(name)) = (gauge["name"].as_str(), quantity["name"].as_str())
-            else {
-                continue;
-            };
-            all.extend(moments(
-                &format!("{gauge}/{name}"),
-                &format!("{name} at {gauge}"),
-                last,
-                is_propagated,
-            ));
-        }
-    }
-    all
-}
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().map_or(&[], Vec::as_slice)
-}
-
-/// Truncation error of the Taylor series from its own curvature, unless an elastic-plastic switch is near.
-fn moments(id: &str, words: &str, response: &Value, is_propagated: bool) -> Vec<Quantity> {
-    let number = |key: &str| response[key].as_f64();
-    let Some(mean) = number("mean") else { return Vec::new() };
-    let deviation = number("standard_deviation");
-    let trust = &response["trust"];
-    let curvature = trust["curvature_ratio"].as_f64().map(|ratio| ratio * ratio);
-    let is_near_switch = trust["switch_within_two_deviations"] == true;
-    let left_out = curvature.filter(|_| is_propagated && !is_near_switch);
-    let of_mean = number("mean_standard_error").map(|error| 2.0 * error);
-    let quantity = |name: &str, value: f64, error: Option<f64>, scale: f64| Quantity {
-        id: format!("{id}/{name}"),
-        words: format!("{} of {words}", name.replace('_', " ")),
-        value,
-        error,
-        scale,
-    };
-    let Some(deviation) = deviation else {
-        return vec![quantity("mean", mean, of_mean, mean.abs())];
-    };
-    let of_deviation = number("variance_standard_error").map(|error| error / deviation);
-    // Of the variance, whose square root is the deviation.
-    let taylor = left_out.map(|part| 0.5 * part * deviation);
-    vec![
-        quantity("mean", mean, of_mean.or(taylor), mean.abs().max(deviation)),
-        quantity("standard_deviation", deviation, of_deviation.or(taylor), deviation),
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use serde_json::json;
-
-    use super::*;
-
-    fn result(method: &str, response: &Value) -> Value {
-        let quantities = json!([{ "name": "pressure", "unit": "", "values": [{}, response] }]);
-        json!({ "scene": { "method": method }, "gauges": [{ "name": "G", "quantities": quantities }] })
-    }
-
-    #[test]
-    fn a_taylor_series_is_trusted_by_its_curvature_and_not_near_a_switch() {
-        let response = |near: bool| {
-            let trust = json!({ "curvature_ratio": 0.1, "switch_within_two_deviations": near });
-            json!({ "mean": 3.0, "standard_deviation": 0.2, "trust": trust })
-        };
-        let found = quantities(&result("propagated", &response(false)));
-        assert_eq!(found[1].id, "G/pressure/standard_deviation");
-        assert!((found[1].error.unwrap() - 0.001).abs() < 1e-12);
-        assert_eq!(quantities(&result("propagated", &response(true)))[1].error, None);
-        assert_eq!(quantities(&result("frozen", &response(false)))[1].error, None);
-    }
-
-    #[test]
-    fn samples_tell_two_standard_errors() {
-        let response = json!({ "mean": 3.0, "mean_standard_error": 0.1, "standard_deviation": 0.5,
-            "variance_standard_error": 0.04 });
-        let found = quantities(&result("monte_carlo", &response));
-        assert_eq!((found[0].error, found[0].scale), (Some(0.2), 3.0));
-        // The deviation's standard error is that of the variance over twice the deviation.
-        assert!((found[1].error.unwrap() - 0.08).abs() < 1e-12);
-    }
 }

@@ -1,6 +1,7 @@
 //! Responses of a plan with their moments.
 
 use perturbation_moments::{Estimate, Moments, Uncertainty};
+use result_figures::number::short;
 use serde::Serialize;
 use smpm::uncertainty::{Exceedance, Sampled, Switch};
 use smpm::{Error, Plan, Window};
@@ -43,6 +44,30 @@ impl Response {
     pub(super) const fn time(&self) -> f64 {
         self.window[1]
     }
+
+    /// Whether it is of one time and not of a window.
+    pub(super) const fn is_instant(&self) -> bool {
+        self.window[0] >= self.window[1]
+    }
+
+    /// Error of the standard deviation, from that of the variance to first order.
+    pub(super) fn deviation_error(&self) -> Option<f64> {
+        let deviation = self.standard_deviation.filter(|&deviation| deviation > 0.0)?;
+        Some(self.variance_standard_error? / (2.0 * deviation))
+    }
+
+    /// How the errors of its moments are known, in words.
+    pub(super) fn how(&self) -> String {
+        match (&self.trust, self.mean_standard_error, self.standard_deviation) {
+            (_, Some(_), _) => "standard error of the samples".to_owned(),
+            (Some(Indicators { curvature_ratio: Some(ratio), .. }), ..) => {
+                format!("Taylor series, no error estimate; curvature ratio {}", short(Some(*ratio)))
+            }
+            (Some(_), ..) => "Taylor series, no error estimate".to_owned(),
+            (None, None, Some(_)) => "no error estimate".to_owned(),
+            (None, None, None) => "one run, no error estimate".to_owned(),
+        }
+    }
 }
 
 /// Difference of a mean between the grid of the scene and the next coarser one.
@@ -68,13 +93,13 @@ pub(super) struct Indicators {
     /// Below 0.03 the variance is mostly accurate within one per cent.
     ///
     /// Unknown without mixed derivatives or where nothing varies.
-    curvature_ratio: Option<f64>,
+    pub(super) curvature_ratio: Option<f64>,
     /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
     ///
     /// None without yielding at the gauge.
-    switch_distance: Option<f64>,
+    pub(super) switch_distance: Option<f64>,
     /// The distance is below two.
-    switch_within_two_deviations: bool,
+    pub(super) switch_within_two_deviations: bool,
 }
 
 /// Parts of the variance of a response that a parameter causes.
@@ -95,13 +120,13 @@ pub(super) struct Shares {
 /// A level and its exceedance probability.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Chance {
-    level: f64,
-    probability: f64,
+    pub(super) level: f64,
+    pub(super) probability: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
-    standard_error: Option<f64>,
+    pub(super) standard_error: Option<f64>,
     /// `normal_law` from the moments, `count` of samples, or `differences` of counts over grids, which may lie outside of 0 to 1 by
     /// their standard error.
-    by: &'static str,
+    pub(super) by: &'static str,
 }
 
 fn error_of(estimate: &Estimate) -> Option<f64> {

@@ -143,43 +143,6 @@ fn every_number_of_a_posterior_has_its_error_and_the_truth_lies_in_it() {
 }
 
 #[test]
-fn warnings_name_what_makes_a_posterior_untrustworthy() {
-    let ran = run_changed(&[("\"draws\": 500", "\"draws\": 2000")]);
-    let result = ran.result();
-    let file = SceneFile::from_text("scene.json", INFERENCE.to_owned()).unwrap();
-    let findings = scenes::kind_of(ALL, &file).unwrap().findings;
-    let warnings = |result: &Value| -> Vec<String> {
-        let notes = findings(result).unwrap().notes.into_iter();
-        notes.filter(result_pages::Note::is_warning).map(|note| note.text().to_owned()).collect()
-    };
-    let of_run = warnings(&result);
-    for (pointer, value, words) in [
-        ("/parameters/0/r_hat", 1.02, "R-hat is 1.020, above 1.01"),
-        ("/parameters/0/effective_sample_size", 399.0, "the effective sample size is 399"),
-        ("/predictive/share_inside/value", 0.1, "the model does not fit: 10 %"),
-        ("/emulator/least_share", 0.4, "only 40 % of the cracks come to all abscissae"),
-        ("/measured/without_summaries", 2.0, "have no crack at all abscissae"),
-    ] {
-        assert!(!of_run.iter().any(|text| text.contains(words)), "{words}: {of_run:?}");
-        let mut other = result.clone();
-        // A count stays a whole number.
-        let value = if pointer.ends_with("summaries") { 2.into() } else { value.into() };
-        *other.pointer_mut(pointer).unwrap() = value;
-        let found = warnings(&other);
-        assert!(found.iter().any(|text| text.contains(words)), "{words}: {found:?}");
-    }
-    // A lack of fit is one where it is larger than the error of the plates and no accident.
-    let lack = |over: f64, chi_square: f64| {
-        let mut other = result.clone();
-        let fit = &mut other["emulator"]["fit"][0];
-        fit["over_error_of_plates"] = over.into();
-        fit["chi_square"] = chi_square.into();
-        warnings(&other).iter().filter(|text| text.contains("no quadratic follows")).count()
-    };
-    assert!(lack(0.6, 100.0) == lack(0.4, 100.0) + 1 && lack(0.6, 5.0) == lack(0.4, 100.0));
-}
-
-#[test]
 fn the_horizon_is_a_parameter_where_the_plate_gives_it_as_a_length() {
     let plate = MODEL.replace("{ \"shells\": 2 }", "{ \"length\": 0.0045 }");
     let changes = [

@@ -1,0 +1,56 @@
+//! `result.json`: the keys common to all kinds of scene, followed by those of a kind.
+
+use result_figures::finite::{self, JsonError};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::machine::{Machine, commit};
+
+/// Name of the file.
+pub(crate) const NAME: &str = "result.json";
+
+/// The text of `result.json`, and what of it the page shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResultFile {
+    pub(crate) text: String,
+    /// The scene with its defaults.
+    pub(crate) scene: Value,
+    pub(crate) machine: Machine,
+    pub(crate) commit: Option<String>,
+}
+
+/// Common keys of every result, followed by those of its schema.
+#[derive(Serialize)]
+struct Keys<'a, S, C> {
+    schema: &'static str,
+    version: &'static str,
+    commit: Option<&'a str>,
+    machine: &'a Machine,
+    /// The parsed scene.
+    scene: &'a S,
+    #[serde(flatten)]
+    content: &'a C,
+}
+
+/// Version of the crate, in every result.
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+impl ResultFile {
+    /// The result of a scene on this machine.
+    ///
+    /// # Errors
+    /// [`JsonError`] for a number that is not finite.
+    pub fn new(
+        schema: &'static str,
+        scene: &impl Serialize,
+        content: &impl Serialize,
+    ) -> Result<Self, JsonError> {
+        let (machine, commit) = (Machine::read(), commit());
+        let (version, of_machine) = (VERSION, &machine);
+        let commit_of = commit.as_deref();
+        let keys = Keys { schema, version, commit: commit_of, machine: of_machine, scene, content };
+        let text = finite::to_json(&keys)?;
+        let scene = serde_json::to_value(scene)?;
+        Ok(Self { text, scene, machine, commit })
+    }
+}

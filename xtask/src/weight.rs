@@ -116,6 +116,7 @@ fn place(path: &str) -> (&str, bool) {
     let (package, inside) = match (parts.next(), parts.next()) {
         (Some("crates"), Some(name)) => (name, parts.next()),
         (Some("tests"), Some("fuzz")) => ("fuzz-targets", Some("tests")),
+        (Some("tests"), Some("problems")) => ("reference-problems", parts.next()),
         (Some("tests"), inside) => ("verification", inside),
         (first, inside) => (first.unwrap_or_default(), inside),
     };

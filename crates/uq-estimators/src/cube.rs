@@ -1,10 +1,5 @@
-//! Moments of a response over the unit cube, from replicas of points.
+//! Replicas of points of the unit cube, at which responses are computed.
 
-use crate::control::SampledMoments;
-use crate::designed::DesignedRuns;
-use crate::error::{Error, require_at_least, require_finite_responses};
-use crate::ladder::Failure;
-use crate::parallel::map_in_order;
 use crate::points::Sampling;
 
 /// Means and variances of responses of a point of the unit cube, by randomised quasi-Monte Carlo.
@@ -46,72 +41,4 @@ pub struct UnitCube {
     pub n_points: u64,
     /// Number of replicas, at least eight.
     pub n_replicas: u64,
-}
-
-/// Runs computed by one thread at a time.
-const BLOCK: u64 = 64;
-
-impl UnitCube {
-    /// Mean and variance of each response.
-    ///
-    /// With the feature `rayon` runs are computed in parallel on the current pool; the result is bitwise identical for any number
-    /// of threads.
-    ///
-    /// # Errors
-    /// [`Error::TooFew`], [`Error::TooMany`], [`Error::NotPowerOfTwo`] for the fields; [`Error::SampleFailed`],
-    /// [`Error::NonFiniteSample`] for the lowest run with such a response.
-    pub fn moments(
-        &self,
-        n_responses: usize,
-        response: impl Fn(&[f64], &mut [f64]) -> Result<(), Failure> + Sync + Send,
-    ) -> Result<Vec<SampledMoments>, Error> {
-        let values = self.values(&self.runs()?, n_responses, response)?;
-        values.iter().map(|values| self.moments_of_runs(values, &[])).collect()
-    }
-
-    /// The values of each response in all runs of a design.
-    pub(crate) fn values(
-        &self,
-        runs: &DesignedRuns,
-        n_responses: usize,
-        response: impl Fn(&[f64], &mut [f64]) -> Result<(), Failure> + Sync + Send,
-    ) -> Result<Vec<Vec<f64>>, Error> {
-        require_at_least("responses", n_responses as u64, 1)?;
-        let n_runs = runs.n_runs();
-        let blocks: Vec<u64> = (0..n_runs.div_ceil(BLOCK)).collect();
-        let block = |&number: &u64| {
-            let start = number * BLOCK;
-            let (mut x, mut rows) = (vec![0.0; self.dimension], Vec::new());
-            for run in start..n_runs.min(start + BLOCK) {
-                runs.input(run, &mut x);
-                let mut y = vec![0.0; n_responses];
-                evaluate(&response, &x, run, &mut y)?;
-                rows.append(&mut y);
-            }
-            Ok(rows)
-        };
-        let mut values = vec![Vec::new(); n_responses];
-        for rows in map_in_order(&blocks, block) {
-            for row in rows?.chunks_exact(n_responses) {
-                values.iter_mut().zip(row).for_each(|(values, y)| values.push(*y));
-            }
-        }
-        Ok(values)
-    }
-}
-
-/// Responses of a point, checked.
-fn evaluate(
-    response: &impl Fn(&[f64], &mut [f64]) -> Result<(), Failure>,
-    x: &[f64],
-    run: u64,
-    y: &mut [f64],
-) -> Result<(), Error> {
-    const MODEL: &str = "the response on the unit cube";
-    response(x, y).map_err(|failure| Error::SampleFailed {
-        model: MODEL.into(),
-        realisation: run,
-        message: failure.to_string(),
-    })?;
-    require_finite_responses(&MODEL, run, y)
 }

@@ -5,4 +5,3 @@ pub(crate) mod multilevel;
 pub(crate) mod plane_beam;
 pub(crate) mod random_field_beam;
 pub(crate) mod rare_events;
-pub(crate) mod sensitivity;

@@ -3,7 +3,6 @@
 pub(crate) mod conditioning;
 pub(crate) mod covariance;
 pub(crate) mod expansion;
-pub(crate) mod translation;
 
 use random_fields::{Correlation, CorrelationFunction, SpatialCorrelation};
 

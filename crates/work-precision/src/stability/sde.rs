@@ -39,7 +39,7 @@ fn oscillator(n: u32, boundary: &Boundary<'_>) -> Result<Drawing, CaseError> {
             EnsembleConfig { seed: 81, n_paths: 32, dt: angle, times: vec![STEPS as f64 * angle] };
         let observables = [Observable::Probability(&|_, x: &[f64; 2]| x[0] > 0.0)];
         let _finite = simulate(&system, &EulerMaruyama, &[0.0; 2], &config, &observables)?;
-        let (map, _) = probe(&system, &EulerMaruyama, angle, |_, _| [0.0; 0])?;
+        let (map, _) = probe(&system, &EulerMaruyama, angle, |_, ()| [0.0; 0])?;
         let exact = system.0.velocity_variance();
         Ok(map.stationary(angle).map_or(f64::INFINITY, |law| (law[0][0] / exact - 1.0).abs()))
     };

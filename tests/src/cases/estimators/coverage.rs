@@ -1,10 +1,12 @@
 //! How often nominal intervals of 95 % hold, for each estimator.
 
+use std::f64::consts::PI;
+
 use result_figures::{ErrorKind, Measured};
 use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
 use uq_estimators::{
-    Bias, ControlledSamples, Estimate, Multilevel, PathLadder, PolynomialControl, Sampling,
-    Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
+    Bias, ControlledSamples, Estimate, Failure, Multilevel, PathLadder, PolynomialControl,
+    Sampling, Statistic, Surrogate, TailSampling, Target, Tolerance, UnitCube, quantile,
 };
 use vibrating_systems::GeometricBrownianMotion;
 
@@ -13,7 +15,6 @@ use crate::cases::estimators::multilevel::GROWTH;
 use crate::cases::estimators::rare_events::{
     Model, exact_paraboloid, paraboloid, paraboloid_level,
 };
-use crate::cases::estimators::sensitivity::{EXACT, ishigami};
 use crate::claim::Subject;
 use crate::report::Claim;
 
@@ -293,4 +294,44 @@ fn sensitivity(sampling: Sampling, seed: u64) -> Result<[Miss; 5], CaseError> {
         miss(found.total[2], total[2], STUDENT_31),
         miss(found.total_sum, total.iter().sum(), STUDENT_31),
     ])
+}
+
+/// Constants of Ishigami's function, and its mean.
+struct Ishigami {
+    a: f64,
+    b: f64,
+    mean: f64,
+}
+
+const EXACT: Ishigami = Ishigami { a: 7.0, b: 0.1, mean: 3.5 };
+
+/// `sin x_0 + a sin^2 x_1 + b x_2^4 sin x_0`, each uniform in `(-pi, pi)`.
+#[allow(clippy::unnecessary_wraps, reason = "a response may fail")]
+fn ishigami(u: &[f64], y: &mut [f64]) -> Result<(), Failure> {
+    let x = [0, 1, 2].map(|i| PI * (2.0 * u[i] - 1.0));
+    let sine = x[0].sin();
+    y[0] = sine + EXACT.a * x[1].sin().powi(2) + EXACT.b * x[2].powi(4) * sine;
+    Ok(())
+}
+
+impl Ishigami {
+    /// Parts of the variance by the first input alone, the second alone, and the first with the third.
+    fn parts(&self) -> [f64; 3] {
+        let (a, b) = (self.a, self.b);
+        [0.5 * (1.0 + b * PI.powi(4) / 5.0).powi(2), a * a / 8.0, 8.0 * b * b * PI.powi(8) / 225.0]
+    }
+
+    fn variance(&self) -> f64 {
+        self.parts().iter().sum()
+    }
+
+    fn first(&self) -> [f64; 3] {
+        let [alone, second, _] = self.parts();
+        [alone, second, 0.0].map(|part| part / self.variance())
+    }
+
+    fn total(&self) -> [f64; 3] {
+        let [alone, second, both] = self.parts();
+        [alone + both, second, both].map(|part| part / self.variance())
+    }
 }

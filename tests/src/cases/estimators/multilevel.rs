@@ -1,13 +1,11 @@
-//! Multilevel Monte Carlo: cost against tolerance, ladders that do not pay, same bits.
+//! Multilevel Monte Carlo: cost against tolerance.
 
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
-    EnsembleConfig, EulerMaruyama, Noise, Observable, Purpose, StateSpace, StrangOscillator,
-    simulate,
+    EnsembleConfig, EulerMaruyama, Observable, StateSpace, StrangOscillator, simulate,
 };
 use uq_estimators::{
-    Bias, Failure, Ladder, Levels, Multilevel, MultilevelResult, PathLadder, Progress, Statistic,
-    Target, Tolerance,
+    Bias, Ladder, Multilevel, MultilevelResult, PathLadder, Statistic, Target, Tolerance,
 };
 use vibrating_systems::GeometricBrownianMotion;
 use work_precision::order;
@@ -17,22 +15,13 @@ use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
 
-pub(crate) const COST: Case = Case {
+pub(crate) const CASE: Case = Case {
     id: "uq-estimators/multilevel-cost",
     title: "cost of multilevel Monte Carlo against its tolerance, in steps, beside plain Monte Carlo",
     source: "closed form of geometric Brownian motion; the damped oscillator by Strang's splitting; Giles 2008, theorem 3.1",
     cost: Profile::Default,
     schedule: Schedule::Together,
-    run: run_cost,
-};
-
-pub(crate) const LADDERS: Case = Case {
-    id: "uq-estimators/ladders",
-    title: "ladders whose coarse levels do not pay; blocks apart and threads",
-    source: "responses of a uniform number with known means",
-    cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: run_ladders,
+    run,
 };
 
 /// Growth and volatility of the geometric Brownian motion, from 1 to time 1.
@@ -48,7 +37,7 @@ fn mean_to(tolerance: f64) -> [Target; 1] {
     [Target { response: 0, statistic: Statistic::Mean, tolerance }]
 }
 
-fn run_cost(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = growth_claims(context)?;
     claims.extend(damper_claims(context)?);
     Ok(claims)
@@ -174,94 +163,4 @@ fn value(
     let reason = "half of the squared tolerance is for the bias";
     let criterion = Criterion::MonteCarlo { bias_bound, reason };
     Claim::judge(subject, ErrorKind::Absolute, measured, reference, criterion)
-}
-
-fn run_ladders(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    Ok(vec![without_gain(context)?, one_unrelated(context)?, same_bits(context)?])
-}
-
-fn uniform(realisation: u64) -> f64 {
-    Noise::new(64).stream(Purpose::Field, realisation).next_uniform()
-}
-
-/// Number of the coarsest level that a ladder of three uses; only the last is exact.
-fn coarsest(unrelated: usize) -> Result<MultilevelResult, CaseError> {
-    let run = |level: usize, realisation: u64, y: &mut [f64]| -> Result<(), Failure> {
-        let u = uniform(realisation);
-        y[0] = if level < unrelated {
-            (f64::from(u8::try_from(level)?) * 40.0 + 50.0 * u).sin()
-        } else {
-            u + 0.01 * (2.0 - level as f64) * u * u
-        };
-        Ok(())
-    };
-    let ladder = Levels { costs: &[1.0, 2.0, 10.0], n_responses: 1, run };
-    let targets = mean_to(2e-3);
-    Ok(Multilevel { bias: Bias::FinestIsExact, ..study(&targets) }.run(&ladder)?)
-}
-
-fn count(context: &Context<'_>, id: &str, what: &str, (found, expected): (f64, f64)) -> Claim {
-    let subject = context.subject(id, what, "", "three levels, 256 samples of the pilot each");
-    let reason = "a count; by the variances in the pilot the choice is not close";
-    Claim::within(subject, ErrorKind::Absolute, (found, expected), 0.0, reason)
-}
-
-fn without_gain(context: &Context<'_>) -> Result<Claim, CaseError> {
-    let found = coarsest(2)?;
-    let what = "coarsest level used where both coarse levels are unrelated to the finest: multilevel does not pay";
-    let number = if found.pays() { f64::NAN } else { found.coarsest as f64 };
-    Ok(count(context, "does-not-pay", what, (number, 2.0)))
-}
-
-fn one_unrelated(context: &Context<'_>) -> Result<Claim, CaseError> {
-    let found = coarsest(1)?;
-    let what = "coarsest level used where the first is unrelated to the others";
-    Ok(count(context, "one-dropped", what, (found.coarsest as f64, 1.0)))
-}
-
-/// Bits of a result on 1, 2 and 8 threads, and from blocks that were computed apart and in reverse.
-fn same_bits(context: &Context<'_>) -> Result<Claim, CaseError> {
-    let system = GeometricBrownianMotion::new(GROWTH[0], GROWTH[1])?;
-    let ladder = PathLadder::<_, _, _, _, 1, 1> {
-        system: &system,
-        integrator: &EulerMaruyama,
-        law: &[1.0],
-        seed: 65,
-        end: 1.0,
-        coarsest_steps: 1,
-        n_levels: 10,
-        n_responses: 1,
-        responses: |x: &[f64; 1], y: &mut [f64]| y[0] = x[0],
-    };
-    let targets = mean_to(2e-2);
-    let study = study(&targets);
-    let bits = |found: &MultilevelResult| {
-        let [target] = [found.targets[0]];
-        let error = target.estimate.standard_error().unwrap_or(f64::NAN);
-        [target.estimate.value, error, target.bias.value, found.cost].map(f64::to_bits)
-    };
-    let on = |n_threads: usize| -> Result<[u64; 4], CaseError> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build()?;
-        Ok(bits(&pool.install(|| study.run(&ladder))?))
-    };
-    let whole = on(1)?;
-    let mut progress: Progress = study.begin(&ladder)?;
-    while study.advance(&ladder, &mut progress)? {
-        for id in progress.missing().into_iter().rev() {
-            let block = study.block(&ladder, &progress, id)?;
-            progress.insert(block)?;
-        }
-    }
-    let apart = bits(&study.finish(&ladder, &progress)?);
-    let others = [on(2)?, on(8)?, apart];
-    let differ = |other: &[u64; 4]| whole.iter().zip(other).filter(|(a, b)| a != b).count();
-    let subject = context.subject(
-        "same-bits",
-        "values that differ",
-        "",
-        "1, 2 and 8 threads; blocks apart, in reverse",
-    );
-    let reason =
-        "samples are addressed, blocks are merged in order, the plan depends on them alone";
-    Ok(Claim::same_bits(subject, others.iter().map(differ).sum(), 12, reason))
 }

@@ -11,7 +11,8 @@ use folder::files;
 use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 13] = [
+    "constitutive-models",
     "uq-estimators",
     "fpk-sph",
     "mpi-ensembles",

@@ -85,7 +85,6 @@ pub const ALL: &[Case] = &[
     smpm::published_tables::CASE,
     smpm::edges::CASE,
     smpm::paper_size::CASE,
-    smpm::invariance::CASE,
     peridyn::forces::CASE,
     peridyn::state_based::CASE,
     peridyn::equilibrium::CASE,

@@ -11,8 +11,8 @@ use folder::files;
 use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
-const CRATES: [&str; 13] = [
-    "uq-estimators",
+const CRATES: [&str; 14] = [
+    "constitutive-models",
     "fpk-sph",
     "mpi-ensembles",
     "neighbour-search",
@@ -24,6 +24,7 @@ const CRATES: [&str; 13] = [
     "sde-integrators",
     "smoothing-kernels",
     "smpm",
+    "uq-estimators",
     "vibrating-systems",
 ];
 

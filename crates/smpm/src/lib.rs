@@ -1,7 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-#[cfg(not(test))]
-mod compiled_step;
 mod config;
 mod error;
 mod grid;

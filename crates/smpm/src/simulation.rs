@@ -221,7 +221,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
         #[cfg(not(test))]
         let outcome = if const { S::IS_COMPILED && D <= 3 } {
-            crate::compiled_step::compiled_step(self, dt)
+            compiled_step(self, dt)
         } else {
             self.try_step(dt)
         };
@@ -371,6 +371,27 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         }
         Ok(())
     }
+}
+
+/// One step of a simulation with `f64` or jets in one to three dimensions: it is most of the code of a run, and compiled with this
+/// crate, once for all programs.
+#[cfg(not(test))]
+#[inline(never)]
+pub(crate) fn compiled_step(
+    simulation: &mut dyn std::any::Any,
+    dt: f64,
+) -> Result<StepReport, Error> {
+    macro_rules! step {
+        ($($number:ty, $dimension:literal);+) => {
+            $(
+                if let Some(simulation) = simulation.downcast_mut::<Simulation<$number, $dimension>>() {
+                    return simulation.try_step(dt);
+                }
+            )+
+        };
+    }
+    step!(f64, 1; f64, 2; f64, 3; crate::Jet, 1; crate::Jet, 2; crate::Jet, 3);
+    unreachable!("a step of these numbers is compiled")
 }
 
 impl Limit {

@@ -6,7 +6,6 @@ pub(crate) mod disks;
 pub(crate) mod edges;
 pub(crate) mod elastic_bar;
 mod incline;
-pub(crate) mod invariance;
 pub(crate) mod johnson_cook_point;
 mod methods;
 pub(crate) mod multilevel;

@@ -37,7 +37,7 @@ pub(crate) struct Grid<S, const D: usize> {
     nodes: Vec<Node<S, D>>,
     /// Their masses.
     masses: Vec<S>,
-    /// Fields of nodes: one that all bodies share, or one for each. Blocks and sets of a tile stand together.
+    /// Fields of nodes: one that all bodies share, or one for each. Blocks and sets of a tile are adjacent.
     n_fields: usize,
     /// Coulomb's coefficient where bodies have their own fields.
     friction: Option<f64>,
@@ -52,7 +52,7 @@ pub(crate) struct Solve {
     pub(crate) dt: f64,
     /// Whether particles take the nodal velocity (APIC), not its change.
     pub(crate) affine: bool,
-    /// Nodes lighter than this stand still: their acceleration would be a quotient of roundoff.
+    /// Nodes lighter than this do not move: their acceleration would be a quotient of roundoff.
     pub(crate) smallest_mass: f64,
     /// Whether masses were summed too; else they are those of the last time.
     pub(crate) with_mass: bool,

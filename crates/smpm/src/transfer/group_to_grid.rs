@@ -64,10 +64,10 @@ pub(crate) fn groups_to_grid<const D: usize>(
 ) {
     match transfer.shape {
         Shape::QuadraticBSpline => {
-            level.run(TileInLanes::<D, 3> { transfer, body, slot, first, nodes, masses })
+            level.run(TileInLanes::<D, 3> { transfer, body, slot, first, nodes, masses });
         }
         Shape::CubicBSpline => {
-            level.run(TileInLanes::<D, 4> { transfer, body, slot, first, nodes, masses })
+            level.run(TileInLanes::<D, 4> { transfer, body, slot, first, nodes, masses });
         }
     }
 }

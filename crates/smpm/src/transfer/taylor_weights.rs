@@ -209,13 +209,12 @@ impl<const NODES: usize, const D: usize> TaylorWeights<NODES, D> {
 fn derivatives_along<const NODES: usize>(s: f64, lowest: i32) -> [[f64; MOST_NODES]; HIGHEST + 1] {
     let mut axis = Axis::<f64>::empty();
     axis.set_b_spline::<NODES>(s, lowest);
-    let (second, third) = match NODES {
-        3 => ([1.0, -2.0, 1.0, 0.0], [0.0; MOST_NODES]),
-        _ => {
-            let f = s - f64::from(lowest + 1);
-            let rest = 1.0 - f;
-            ([rest, 3.0 * f - 2.0, 3.0 * rest - 2.0, f], [-1.0, 3.0, -3.0, 1.0])
-        }
+    let (second, third) = if NODES == 3 {
+        ([1.0, -2.0, 1.0, 0.0], [0.0; MOST_NODES])
+    } else {
+        let f = s - f64::from(lowest + 1);
+        let rest = 1.0 - f;
+        ([rest, 3.0 * f - 2.0, 3.0 * rest - 2.0, f], [-1.0, 3.0, -3.0, 1.0])
     };
     [axis.value, axis.slope, second, third]
 }

@@ -377,13 +377,12 @@ impl Sde<2, 1> for Pendulum {
 fn a_system_without_a_linear_part_is_refused_where_the_scheme_needs_one() {
     let step = StepRule::Fixed { dt: 0.05 };
     let new = |system, scheme| Simulation::new(system, &law(), &config(scheme, step, 15));
-    for scheme in [Scheme::LawsonAdamsBashforth2] {
-        let error = new(Pendulum(None), scheme).unwrap_err();
-        assert!(matches!(error, Error::NoLinearPart { scheme: found } if found == scheme));
-        assert!(error.to_string().contains(&format!("{scheme:?}")), "{error}");
-        let error = new(Pendulum(Some(f64::NAN)), scheme).unwrap_err();
-        assert!(matches!(error, Error::NotFinite { .. }), "{error}");
-    }
+    let scheme = Scheme::LawsonAdamsBashforth2;
+    let error = new(Pendulum(None), scheme).unwrap_err();
+    assert!(matches!(error, Error::NoLinearPart { scheme: found } if found == scheme));
+    assert!(error.to_string().contains(&format!("{scheme:?}")), "{error}");
+    let error = new(Pendulum(Some(f64::NAN)), scheme).unwrap_err();
+    assert!(matches!(error, Error::NotFinite { .. }), "{error}");
     let moment = |part, scheme| {
         let mut simulation = new(Pendulum(part), scheme).unwrap();
         simulation.advance_to(2.0).unwrap();

@@ -130,7 +130,7 @@ impl SettlingScene {
             Estimator::FlowMapFit { degree, thinnest, .. } => {
                 Estimator::FlowMapFit { degree, thinnest, settling }
             }
-            _ => estimator,
+            Estimator::SummationDensity => estimator,
         }
     }
 }

@@ -39,25 +39,51 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     let flow_map = |spacing: f64, reach: f64| json!({ "spacing": spacing, "reach": reach });
     let conditioned = json!({ "spacing": 0.6, "reach": 5, "filter": "conditioned" });
-    let runs: [(&str, &str, Value, (f64, f64), Lookup<'_>); 3] = [
-        ("damper", DAMPER, flow_map(0.4, 6.0), (8.0, 1.0), &damper),
-        ("Bouc-Wen", BOUC_WEN, flow_map(0.6, 5.0), (3.6, 0.2), &bouc_wen),
-        (
-            "Bouc-Wen behind soil, conditioned out",
-            BEHIND_SOIL,
-            conditioned,
-            (6.0, 1.0),
-            &behind_soil,
-        ),
+    let runs = [
+        Compared {
+            name: "damper",
+            scene: DAMPER,
+            fit: flow_map(0.4, 6.0),
+            until: 8.0,
+            every: 1.0,
+            known: &damper,
+        },
+        Compared {
+            name: "Bouc-Wen",
+            scene: BOUC_WEN,
+            fit: flow_map(0.6, 5.0),
+            until: 3.6,
+            every: 0.2,
+            known: &bouc_wen,
+        },
+        Compared {
+            name: "Bouc-Wen behind soil, conditioned out",
+            scene: BEHIND_SOIL,
+            fit: conditioned,
+            until: 6.0,
+            every: 1.0,
+            known: &behind_soil,
+        },
     ];
     let mut found = Found::default();
-    for (name, text, fit, (until, every), known) in runs {
+    for Compared { name, scene, fit, until, every, known } in runs {
         context.progress(name);
         let times = json!({ "until": until, "every": every });
         let changes = json!({ "method": { "flow_map_fit": fit }, "times": times });
-        found.take(name, &changed(text, changes)?, known)?;
+        found.take(name, &changed(scene, changes)?, known)?;
     }
     Ok(found.claims(context))
+}
+
+/// A run whose errors are compared with references.
+struct Compared<'a> {
+    name: &'a str,
+    scene: &'a str,
+    /// Keys of the flow-map fit.
+    fit: Value,
+    until: f64,
+    every: f64,
+    known: Lookup<'a>,
 }
 
 /// A quantity of a result.

@@ -16,7 +16,6 @@ mod error;
 mod failure;
 mod fast;
 mod horizon;
-pub mod inference;
 mod kicks;
 pub mod law;
 mod linear_pull;

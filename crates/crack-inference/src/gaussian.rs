@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use super::factor::{Factor, product, quadratic, trace_of_product};
-use super::summaries::{Summaries, same_count};
-use crate::error::{Error, finite};
+use crate::error::{Error, finite, same_count};
+use crate::factor::{Factor, product, quadratic, trace_of_product};
+use crate::summaries::Summaries;
 
 /// The summaries of plates that were observed, independent of each other, and the variances of the errors of measurement.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +62,7 @@ impl Observations {
     ///    W = V + (\bar y - m)(\bar y - m)^T $$
     ///
     /// with mean and scatter `V` of the plates and the diagonal `R` of the variances of errors.
-    pub(super) fn under(&self, mean: &[f64], covariance: &[f64]) -> Result<At, Error> {
+    pub(crate) fn under(&self, mean: &[f64], covariance: &[f64]) -> Result<At, Error> {
         let k = self.n_summaries();
         same_count("the mean of the summaries", mean.len(), k)?;
         let mut with_error = covariance.to_vec();
@@ -82,7 +82,7 @@ impl Observations {
     /// Slopes of the log-density in mean and covariance,
     ///
     /// $$ g = P A^{-1} (\bar y - m), \qquad G = \frac P2 (A^{-1} W A^{-1} - A^{-1}). $$
-    pub(super) fn slopes(&self, at: &At) -> Slopes {
+    pub(crate) fn slopes(&self, at: &At) -> Slopes {
         let k = self.n_summaries();
         let mut scatter = self.scatter.clone();
         for i in 0..k {
@@ -99,57 +99,31 @@ impl Observations {
         let mean = (0..k).map(|i| self.n_plates * row(i)).collect();
         Slopes { mean, covariance }
     }
-
-    /// By how much the log-density with mean and covariance estimated from `n` normal realisations lies above the one with the
-    /// true ones, on average and to order `1/n`.
-    ///
-    /// With `B = A^{-1}`, `v` the vectors `B (y - m)` of the plates and `nu = n - 1`, from the covariance of a Wishart matrix
-    /// (Muirhead 1982, Aspects of multivariate statistical theory, section 3.2):
-    ///
-    /// $$ \frac{P}{4\nu} (tr(BSBS) + tr(BS)^2)
-    ///    - \frac12 \sum_p \left( \frac{v^T SBS v + tr(BS) v^T S v}{\nu} + \frac{tr(BS)}{n} \right) $$
-    pub(super) fn bias(&self, at: &At, covariance: &[f64], n_realisations: usize) -> f64 {
-        let k = self.n_summaries();
-        let (n, freedom) = (n_realisations as f64, (n_realisations - 1) as f64);
-        let bs = product(k, &at.inverse, covariance);
-        let once: f64 = (0..k).map(|i| bs[i * k + i]).sum();
-        let transposed: Vec<f64> = (0..k * k).map(|e| bs[e % k * k + e / k]).collect();
-        let twice = trace_of_product(&bs, &transposed);
-        // Sum over plates of v v^T is 2 G + P B.
-        let slopes = self.slopes(at);
-        let outer = |e: usize| 2.0 * slopes.covariance[e] + self.n_plates * at.inverse[e];
-        let outer: Vec<f64> = (0..k * k).map(outer).collect();
-        let sbs = product(k, covariance, &bs);
-        let of_plates =
-            trace_of_product(&outer, &sbs) + once * trace_of_product(&outer, covariance);
-        self.n_plates * (twice + once * once) / (4.0 * freedom)
-            - 0.5 * (of_plates / freedom + self.n_plates * once / n)
-    }
 }
 
 /// A log-density and what its slopes are made of.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct At {
-    pub(super) value: f64,
+pub(crate) struct At {
+    pub(crate) value: f64,
     inverse: Vec<f64>,
     away: Vec<f64>,
 }
 
 /// Slopes of a log-density.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Slopes {
+pub(crate) struct Slopes {
     /// In the mean, `K`.
-    pub(super) mean: Vec<f64>,
+    pub(crate) mean: Vec<f64>,
     /// In the covariance, `K` rows of `K`; `tr(G dS)` is the change.
-    pub(super) covariance: Vec<f64>,
+    pub(crate) covariance: Vec<f64>,
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test ends by it")]
 
-    use super::super::summaries::Absent;
     use super::*;
+    use crate::summaries::Absent;
 
     fn data(errors: [f64; 2]) -> Observations {
         let rows = [vec![1.0, 2.0], vec![0.5, -1.0], vec![2.0, 0.3]];

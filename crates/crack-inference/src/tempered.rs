@@ -4,9 +4,9 @@ use rayon::prelude::*;
 use sde_integrators::Purpose;
 use simd_lanes::exp;
 
-use super::sampler_config::SamplerConfig;
-use super::target::{Proposal, Target, Walker};
 use crate::error::{Error, at_least, positive};
+use crate::sampler_config::SamplerConfig;
+use crate::target::{Proposal, Target, Walker};
 
 /// Streams of [`Purpose::MarkovChain`]: chains have the first, particles of stage `t` those from `(t + 1) 2^32` on.
 const STREAMS_OF_A_STAGE: u64 = 1 << 32;
@@ -15,10 +15,10 @@ const STREAMS_OF_A_STAGE: u64 = 1 << 32;
 const LEAST_POSSIBLE: usize = 10;
 
 /// Points of equal weight, distributed by the posterior but for few steps of their chains.
-pub(super) struct Cloud {
-    pub(super) walkers: Vec<Walker>,
+pub(crate) struct Cloud {
+    pub(crate) walkers: Vec<Walker>,
     /// The powers of the likelihood, from above 0 to 1.
-    pub(super) temperatures: Vec<f64>,
+    pub(crate) temperatures: Vec<f64>,
 }
 
 /// Sequential Monte Carlo from prior to posterior: each power of the likelihood is such that weights are worth half of the points;
@@ -26,7 +26,7 @@ pub(super) struct Cloud {
 ///
 /// Source: Del Moral, Doucet and Jasra 2006, Sequential Monte Carlo samplers, section 3; the powers by Jasra, Stephens, Doucet and
 /// Tsagaris 2011, Inference for Lévy-driven stochastic volatility models via adaptive sequential Monte Carlo.
-pub(super) fn tempered(target: &Target<'_>, config: &SamplerConfig) -> Result<Cloud, Error> {
+pub(crate) fn tempered(target: &Target<'_>, config: &SamplerConfig) -> Result<Cloud, Error> {
     let draw = |particle: u64| {
         let mut stream = config.noise.stream(Purpose::InitialDistribution, particle);
         Walker::new(target, target.space.draw(|| stream.next_uniform()))
@@ -112,7 +112,7 @@ fn drawn_again(walkers: &[Walker], weights: &[f64], uniform: f64) -> Vec<Walker>
 }
 
 /// The covariance of points in units.
-pub(super) fn covariance(walkers: &[Walker]) -> Vec<f64> {
+pub(crate) fn covariance(walkers: &[Walker]) -> Vec<f64> {
     let (n, d) = (walkers.len() as f64, walkers[0].units.len());
     let mean = |i: usize| walkers.iter().map(|walker| walker.units[i]).sum::<f64>() / n;
     let mean: Vec<f64> = (0..d).map(mean).collect();

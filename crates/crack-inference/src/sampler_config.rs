@@ -28,7 +28,7 @@ impl SamplerConfig {
         Self { n_particles: 500, n_moves: 10, n_chains: 4, n_warm_up: 500, n_draws: 5000, noise }
     }
 
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         at_least("points of a cloud", self.n_particles, 100)?;
         at_least("steps of a point", self.n_moves, 1)?;
         at_least("chains", self.n_chains, 4)?;

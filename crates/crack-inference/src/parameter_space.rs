@@ -1,8 +1,7 @@
 //! Parameters together, and points that fill their space.
 
-use super::parameter::Parameter;
-use super::summaries::same_count;
-use crate::error::{Error, at_least};
+use crate::error::{Error, at_least, same_count};
+use crate::parameter::Parameter;
 
 /// Parameters together, independent of each other before data are seen. A point is a slice of values in their order.
 ///
@@ -50,7 +49,7 @@ impl ParameterSpace {
     }
 
     /// The place of a point in units.
-    pub(super) fn units(&self, at: &[f64]) -> Result<Vec<f64>, Error> {
+    pub(crate) fn units(&self, at: &[f64]) -> Result<Vec<f64>, Error> {
         same_count("a point of the parameters", at.len(), self.parameters.len())?;
         let unit = |(parameter, &value): (&Parameter, &f64)| {
             let (middle, half) = parameter.span();
@@ -65,20 +64,20 @@ impl ParameterSpace {
         self.parameters.iter().zip(at).map(unit).collect()
     }
 
-    pub(super) fn values(&self, units: &[f64]) -> Vec<f64> {
+    pub(crate) fn values(&self, units: &[f64]) -> Vec<f64> {
         self.parameters.iter().zip(units).map(|(p, &unit)| p.value(unit)).collect()
     }
 
-    pub(super) fn log_prior(&self, units: &[f64]) -> f64 {
+    pub(crate) fn log_prior(&self, units: &[f64]) -> f64 {
         self.parameters.iter().zip(units).map(|(p, &unit)| p.log_prior(unit)).sum()
     }
 
-    pub(super) fn draw(&self, mut uniform: impl FnMut() -> f64) -> Vec<f64> {
+    pub(crate) fn draw(&self, mut uniform: impl FnMut() -> f64) -> Vec<f64> {
         self.parameters.iter().map(|p| p.draw(uniform())).collect()
     }
 
     /// The variance of the prior of a parameter, on its scale.
-    pub(super) fn prior_variance(&self, parameter: usize) -> f64 {
+    pub(crate) fn prior_variance(&self, parameter: usize) -> f64 {
         let half = self.parameters[parameter].span().1;
         half * half * self.parameters[parameter].prior_variance()
     }
@@ -101,8 +100,8 @@ mod tests {
 
     use sde_integrators::{Accumulator, Noise, Purpose};
 
-    use super::super::parameter::{Prior, Scale};
     use super::*;
+    use crate::parameter::{Prior, Scale};
 
     fn parameter(scale: Scale, low: f64, high: f64, prior: Prior) -> Parameter {
         Parameter { name: "strength".into(), scale, low, high, prior }

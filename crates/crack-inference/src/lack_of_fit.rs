@@ -1,7 +1,7 @@
 //! How well quadratics follow what ensembles at the points of a design found.
 
-use super::polynomial::{dot, terms};
-use super::regressions::{Layout, Regressions};
+use crate::polynomial::{dot, terms};
+use crate::regressions::{Layout, Regressions};
 
 /// Which number of the law of the summaries; summaries are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +32,7 @@ pub struct ComponentFit {
 }
 
 /// For every number of the law, in their order: ensembles at the points of a design against polynomials with these coefficients.
-pub(super) fn lack_of_fit(
+pub(crate) fn lack_of_fit(
     layout: Layout,
     design: &[Vec<f64>],
     ensembles: &[Regressions],

@@ -5,8 +5,7 @@
 
 use sde_integrators::normal_quantile;
 
-use super::summaries::same_count;
-use crate::error::{Error, at_least, finite, positive};
+use crate::error::{Error, at_least, finite, positive, same_count};
 
 /// The fewest draws of a chain.
 const LEAST_DRAWS: usize = 100;

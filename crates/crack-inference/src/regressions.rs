@@ -1,8 +1,8 @@
 //! Mean and covariance of summaries as numbers without constraints, one after the other.
 
-use super::factor::Factor;
-use super::summaries::Summaries;
 use crate::error::Error;
+use crate::factor::Factor;
+use crate::summaries::Summaries;
 
 /// Numbers that mean and covariance of `K` summaries are made of: each summary by those before it,
 ///
@@ -11,25 +11,25 @@ use crate::error::Error;
 /// In order: `m_i`, then `phi_ij` row after row, then `ln d_i`. They are `K (K + 3)/2`.
 /// Source: Pourahmadi 1999, Joint mean-covariance models with applications to longitudinal data, eq 3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Layout {
-    pub(super) n_summaries: usize,
+pub(crate) struct Layout {
+    pub(crate) n_summaries: usize,
 }
 
 impl Layout {
-    pub(super) fn len(self) -> usize {
+    pub(crate) fn len(self) -> usize {
         self.n_summaries * (self.n_summaries + 3) / 2
     }
 
-    pub(super) fn slope(self, i: usize, j: usize) -> usize {
+    pub(crate) fn slope(self, i: usize, j: usize) -> usize {
         self.n_summaries + i * (i - 1) / 2 + j
     }
 
-    pub(super) fn log_variance(self, i: usize) -> usize {
+    pub(crate) fn log_variance(self, i: usize) -> usize {
         self.len() - self.n_summaries + i
     }
 
     /// `U`, the inverse of `1 - phi`: lower triangle with ones on its diagonal, row after row.
-    pub(super) fn mixing(self, numbers: &[f64]) -> Vec<f64> {
+    pub(crate) fn mixing(self, numbers: &[f64]) -> Vec<f64> {
         let k = self.n_summaries;
         let mut u = vec![0.0; k * k];
         for i in 0..k {
@@ -45,7 +45,7 @@ impl Layout {
     }
 
     /// `U D U^T`.
-    pub(super) fn covariance(self, numbers: &[f64], mixing: &[f64]) -> Vec<f64> {
+    pub(crate) fn covariance(self, numbers: &[f64], mixing: &[f64]) -> Vec<f64> {
         let k = self.n_summaries;
         let variance = |i: usize| simd_lanes::exp(numbers[self.log_variance(i)]);
         let variances: Vec<f64> = (0..k).map(variance).collect();
@@ -63,11 +63,11 @@ impl Layout {
 
 /// These numbers, estimated from an ensemble, and the covariance of their errors.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Regressions {
-    pub(super) numbers: Vec<f64>,
+pub(crate) struct Regressions {
+    pub(crate) numbers: Vec<f64>,
     /// Row after row.
-    pub(super) covariance: Vec<f64>,
-    pub(super) n_realisations: usize,
+    pub(crate) covariance: Vec<f64>,
+    pub(crate) n_realisations: usize,
 }
 
 impl Regressions {
@@ -77,7 +77,7 @@ impl Regressions {
     ///
     /// # Errors
     /// [`Error::NotPositiveDefinite`] where a summary is constant or follows from others.
-    pub(super) fn new(ensemble: &Summaries) -> Result<Self, Error> {
+    pub(crate) fn new(ensemble: &Summaries) -> Result<Self, Error> {
         let layout = Layout { n_summaries: ensemble.n_summaries() };
         let (k, n) = (layout.n_summaries, ensemble.n_realisations());
         let (mean, covariance) = ensemble.moments();
@@ -141,8 +141,8 @@ mod tests {
 
     use sde_integrators::{Accumulator, Noise, Purpose};
 
-    use super::super::summaries::Absent;
     use super::*;
+    use crate::summaries::Absent;
 
     /// `x_0 = 1 + 2 e_0`, `x_1 = 3 + 0.5 (x_0 - 1) + 0.1 e_1`.
     fn ensemble(id: u64, n: usize) -> Summaries {

@@ -3,23 +3,23 @@
 use sde_integrators::Stream;
 use simd_lanes::exp;
 
-use super::factor::Factor;
-use super::parameter_space::ParameterSpace;
 use crate::error::Error;
+use crate::factor::Factor;
+use crate::parameter_space::ParameterSpace;
 
 /// The log-likelihood as a function of the parameters.
-pub(super) type LogLikelihood<'a> = &'a (dyn Fn(&[f64]) -> Result<f64, Error> + Sync);
+pub(crate) type LogLikelihood<'a> = &'a (dyn Fn(&[f64]) -> Result<f64, Error> + Sync);
 
 /// Prior and likelihood.
 #[derive(Clone, Copy)]
-pub(super) struct Target<'a> {
-    pub(super) space: &'a ParameterSpace,
-    pub(super) log_likelihood: LogLikelihood<'a>,
+pub(crate) struct Target<'a> {
+    pub(crate) space: &'a ParameterSpace,
+    pub(crate) log_likelihood: LogLikelihood<'a>,
 }
 
 impl Target<'_> {
     /// The log-likelihood at a place in units; minus infinity where the data cannot be.
-    pub(super) fn at(&self, units: &[f64]) -> Result<f64, Error> {
+    pub(crate) fn at(&self, units: &[f64]) -> Result<f64, Error> {
         let value = (self.log_likelihood)(&self.space.values(units))?;
         if value.is_nan() || value >= f64::INFINITY {
             return Err(Error::NotFinite { name: "the log-likelihood", value });
@@ -30,20 +30,20 @@ impl Target<'_> {
 
 /// A place in units with its densities.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Walker {
-    pub(super) units: Vec<f64>,
-    pub(super) log_prior: f64,
-    pub(super) log_likelihood: f64,
+pub(crate) struct Walker {
+    pub(crate) units: Vec<f64>,
+    pub(crate) log_prior: f64,
+    pub(crate) log_likelihood: f64,
 }
 
 /// Proposals `x + L z`, with normals `z`.
-pub(super) struct Proposal {
+pub(crate) struct Proposal {
     factor: Factor,
 }
 
 impl Proposal {
     /// With `2.38^2/d` times a covariance (Gelman, Roberts and Gilks 1996, Efficient Metropolis jumping rules).
-    pub(super) fn new(dimension: usize, covariance: &[f64]) -> Result<Self, Error> {
+    pub(crate) fn new(dimension: usize, covariance: &[f64]) -> Result<Self, Error> {
         let scale = 2.38 * 2.38 / dimension as f64;
         let scaled: Vec<f64> = covariance.iter().map(|c| scale * c).collect();
         Ok(Self { factor: Factor::new(dimension, &scaled)? })
@@ -51,14 +51,14 @@ impl Proposal {
 }
 
 impl Walker {
-    pub(super) fn new(target: &Target<'_>, units: Vec<f64>) -> Result<Self, Error> {
+    pub(crate) fn new(target: &Target<'_>, units: Vec<f64>) -> Result<Self, Error> {
         let (log_prior, log_likelihood) = (target.space.log_prior(&units), target.at(&units)?);
         Ok(Self { units, log_prior, log_likelihood })
     }
 
     /// One step of random-walk Metropolis on prior times likelihood to the power `beta`; whether it moved. Each takes as many
     /// words of the stream as any other.
-    pub(super) fn step(
+    pub(crate) fn step(
         &mut self,
         target: &Target<'_>,
         beta: f64,

@@ -10,7 +10,7 @@ const LEAST_REST: f64 = 1e-12;
 
 /// The lower triangle `L` with `A = L L^T`.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Factor {
+pub(crate) struct Factor {
     n: usize,
     /// Row after row, each of `n` entries.
     l: Vec<f64>,
@@ -21,7 +21,7 @@ impl Factor {
     ///
     /// # Errors
     /// [`Error::NotPositiveDefinite`] for a pivot below 1e-12 of its diagonal entry.
-    pub(super) fn new(n: usize, a: &[f64]) -> Result<Self, Error> {
+    pub(crate) fn new(n: usize, a: &[f64]) -> Result<Self, Error> {
         let mut l = vec![0.0; n * n];
         for row in 0..n {
             for column in 0..=row {
@@ -42,24 +42,24 @@ impl Factor {
     }
 
     /// `L_ij`.
-    pub(super) fn at(&self, i: usize, j: usize) -> f64 {
+    pub(crate) fn at(&self, i: usize, j: usize) -> f64 {
         self.l[i * self.n + j]
     }
 
     /// `ln |A|`.
-    pub(super) fn log_determinant(&self) -> f64 {
+    pub(crate) fn log_determinant(&self) -> f64 {
         (0..self.n).map(|i| 2.0 * simd_lanes::ln(self.at(i, i))).sum()
     }
 
     /// `L z` into `out`.
-    pub(super) fn apply(&self, z: &[f64], out: &mut [f64]) {
+    pub(crate) fn apply(&self, z: &[f64], out: &mut [f64]) {
         for i in 0..self.n {
             out[i] = (0..=i).map(|j| self.at(i, j) * z[j]).sum();
         }
     }
 
     /// `L^-1 b` in its place.
-    pub(super) fn solve_lower(&self, b: &mut [f64]) {
+    pub(crate) fn solve_lower(&self, b: &mut [f64]) {
         for i in 0..self.n {
             let known: f64 = (0..i).map(|j| self.at(i, j) * b[j]).sum();
             b[i] = (b[i] - known) / self.at(i, i);
@@ -67,7 +67,7 @@ impl Factor {
     }
 
     /// `L^-T b` in its place, for the leading block of as many rows as `b` has numbers.
-    pub(super) fn solve_upper(&self, b: &mut [f64]) {
+    pub(crate) fn solve_upper(&self, b: &mut [f64]) {
         for i in (0..b.len()).rev() {
             let known: f64 = (i + 1..b.len()).map(|j| self.at(j, i) * b[j]).sum();
             b[i] = (b[i] - known) / self.at(i, i);
@@ -75,13 +75,13 @@ impl Factor {
     }
 
     /// `A^-1 b` in its place.
-    pub(super) fn solve(&self, b: &mut [f64]) {
+    pub(crate) fn solve(&self, b: &mut [f64]) {
         self.solve_lower(b);
         self.solve_upper(b);
     }
 
     /// `A^-1`, row after row.
-    pub(super) fn inverse(&self) -> Vec<f64> {
+    pub(crate) fn inverse(&self) -> Vec<f64> {
         let n = self.n;
         let mut inverse = vec![0.0; n * n];
         for i in 0..n {
@@ -94,7 +94,7 @@ impl Factor {
 }
 
 /// `A B` of square matrices, row after row.
-pub(super) fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
+pub(crate) fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut c = vec![0.0; n * n];
     for i in 0..n {
         for k in 0..n {
@@ -107,12 +107,12 @@ pub(super) fn product(n: usize, a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// `tr(A B)` of symmetric matrices.
-pub(super) fn trace_of_product(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn trace_of_product(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `x^T A x`.
-pub(super) fn quadratic(a: &[f64], x: &[f64]) -> f64 {
+pub(crate) fn quadratic(a: &[f64], x: &[f64]) -> f64 {
     let rows = a.chunks_exact(x.len()).zip(x);
     rows.map(|(row, x_i)| x_i * row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>()).sum()
 }

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use sde_integrators::{Estimate, Purpose, Uncertainty};
 
-use super::diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
-use super::parameter_space::ParameterSpace;
-use super::sampler_config::SamplerConfig;
-use super::target::{LogLikelihood, Proposal, Target};
-use super::tempered::{covariance, tempered};
+use crate::diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
 use crate::error::{Error, at_least};
+use crate::parameter_space::ParameterSpace;
+use crate::sampler_config::SamplerConfig;
+use crate::target::{LogLikelihood, Proposal, Target};
+use crate::tempered::{covariance, tempered};
 
 /// The contraction above which data say more of a parameter than the prior did. For a normal prior and likelihood precisions add,
 /// and the contraction is the share of the data in their sum: at one half both weigh the same.

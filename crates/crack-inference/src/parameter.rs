@@ -49,7 +49,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         let Self { low, high, .. } = *self;
         let is_scale = self.scale == Scale::Linear || low > 0.0;
         if !(low < high && low.is_finite() && high.is_finite() && is_scale) {
@@ -72,7 +72,7 @@ impl Parameter {
         Ok(())
     }
 
-    pub(super) fn on_scale(&self, value: f64) -> f64 {
+    pub(crate) fn on_scale(&self, value: f64) -> f64 {
         match self.scale {
             Scale::Linear => value,
             Scale::Logarithmic => simd_lanes::ln(value),
@@ -80,12 +80,12 @@ impl Parameter {
     }
 
     /// Middle and half width on the scale.
-    pub(super) fn span(&self) -> (f64, f64) {
+    pub(crate) fn span(&self) -> (f64, f64) {
         let (low, high) = (self.on_scale(self.low), self.on_scale(self.high));
         (0.5 * (low + high), 0.5 * (high - low))
     }
 
-    pub(super) fn value(&self, unit: f64) -> f64 {
+    pub(crate) fn value(&self, unit: f64) -> f64 {
         let (middle, half) = self.span();
         let on_scale = middle + half * unit;
         match self.scale {
@@ -106,13 +106,13 @@ impl Parameter {
     }
 
     /// The log-density of the prior at a place in units, but for a constant.
-    pub(super) fn log_prior(&self, unit: f64) -> f64 {
+    pub(crate) fn log_prior(&self, unit: f64) -> f64 {
         let square = |(mean, deviation): (f64, f64)| ((unit - mean) / deviation).powi(2);
         self.normal().map_or(0.0, |normal| -0.5 * square(normal))
     }
 
     /// A place in units drawn from the prior by a uniform number.
-    pub(super) fn draw(&self, uniform: f64) -> f64 {
+    pub(crate) fn draw(&self, uniform: f64) -> f64 {
         match self.normal() {
             None => 2.0 * uniform - 1.0,
             Some((mean, deviation)) => {
@@ -126,7 +126,7 @@ impl Parameter {
     }
 
     /// The variance of the prior in units.
-    pub(super) fn prior_variance(&self) -> f64 {
+    pub(crate) fn prior_variance(&self) -> f64 {
         let Some((mean, deviation)) = self.normal() else {
             return 1.0 / 3.0;
         };

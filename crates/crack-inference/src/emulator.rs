@@ -2,17 +2,18 @@
 
 use sde_integrators::{Estimate, Uncertainty};
 
-use super::factor::product;
-use super::gaussian::{At, Observations, Slopes};
-use super::lack_of_fit::{ComponentFit, lack_of_fit};
-use super::parameter_space::ParameterSpace;
-use super::polynomial::{Polynomial, dot, terms, variance};
-use super::regressions::{Layout, Regressions};
-use super::summaries::{Summaries, same_count};
-use crate::error::{Error, at_least};
+use crate::error::{Error, at_least, same_count};
+use crate::factor::product;
+use crate::gaussian::{At, Observations, Slopes};
+use crate::lack_of_fit::{ComponentFit, lack_of_fit};
+use crate::parameter_space::ParameterSpace;
+use crate::polynomial::{Polynomial, dot, terms, variance};
+use crate::regressions::{Layout, Regressions};
+use crate::summaries::Summaries;
 
-/// The synthetic likelihood ([`SyntheticLikelihood`](super::SyntheticLikelihood)) with a mean and a covariance that are functions of
-/// the parameters, fitted to ensembles at the points of a design.
+/// The synthetic likelihood, `sum_p ln N(y_p; m, S + R)` of the summaries `y_p` of plates with errors of measurement of the variances
+/// `R`, with a mean `m` and a covariance `S` that are functions of the parameters, fitted to ensembles at the points of a design. It
+/// supposes that the summaries are nearly normal.
 ///
 /// Each summary is regressed on those before it; means, slopes and the logarithms of the variances of what is left are quadratic
 /// polynomials in the parameters on their scales, by least squares with the numbers of realisations as weights. Any values of them
@@ -28,7 +29,7 @@ use crate::error::{Error, at_least};
 /// ensembles. The error does not hold what a quadratic cannot follow: that is seen in [`Emulator::fit`]. There is no value beyond the bounds of the
 /// parameters.
 ///
-/// [`EmulatorMixture`]: super::EmulatorMixture
+/// [`EmulatorMixture`]: crate::EmulatorMixture
 ///
 /// Sources: Wood 2010, Nature 466; Pourahmadi 1999 (regressions); Box and Draper 2007, Response surfaces, mixtures, and ridge
 /// analyses, chapters 3 and 5 (least squares, lack of fit).
@@ -170,12 +171,12 @@ impl Emulator {
         lack_of_fit(self.layout, &self.design, &self.ensembles, &self.coefficients)
     }
 
-    pub(super) fn ensembles(&self) -> &[Regressions] {
+    pub(crate) fn ensembles(&self) -> &[Regressions] {
         &self.ensembles
     }
 
     /// The same with other numbers at the points of the design.
-    pub(super) fn with_numbers(&self, numbers: &[Vec<f64>]) -> Self {
+    pub(crate) fn with_numbers(&self, numbers: &[Vec<f64>]) -> Self {
         let of = |q: usize| self.polynomial.coefficients(numbers.iter().map(|of| of[q]));
         let coefficients = (0..self.layout.len()).map(of).collect();
         Self { coefficients, ..self.clone() }
@@ -232,10 +233,10 @@ mod tests {
 
     use sde_integrators::{Noise, Purpose};
 
-    use super::super::lack_of_fit::Component;
-    use super::super::parameter::{Parameter, Prior, Scale};
-    use super::super::summaries::Absent;
     use super::*;
+    use crate::lack_of_fit::Component;
+    use crate::parameter::{Parameter, Prior, Scale};
+    use crate::summaries::Absent;
 
     fn space() -> ParameterSpace {
         let (scale, prior) = (Scale::Linear, Prior::Uniform);

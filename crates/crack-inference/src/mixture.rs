@@ -4,10 +4,10 @@ use random_fields::{Enough, LowRank, pivoted_cholesky};
 use sde_integrators::{Noise, Purpose};
 use simd_lanes::{exp, ln};
 
-use super::emulator::Emulator;
-use super::gaussian::Observations;
-use super::regressions::Regressions;
+use crate::emulator::Emulator;
 use crate::error::{Error, at_least};
+use crate::gaussian::Observations;
+use crate::regressions::Regressions;
 
 /// Part of the variances that is left out of a draw.
 const LEFT_OUT: f64 = 1e-10;
@@ -32,7 +32,7 @@ impl EmulatorMixture {
     /// their number: some 30 where log-likelihoods have standard errors near one.
     ///
     /// # Errors
-    /// [`Error::TooFew`]; [`Error::Field`] for covariances that are none but for roundoff, which the emulator's are
+    /// [`Error::TooFew`]; [`Error::Covariance`] for covariances that are none but for roundoff, which the emulator's are
     /// not.
     pub fn new(emulator: &Emulator, n_draws: usize, noise: &Noise) -> Result<Self, Error> {
         at_least("draws of a mixture", n_draws, 8)?;

@@ -1,7 +1,7 @@
 //! Quadratic polynomials through numbers at the points of a design.
 
-use super::factor::{Factor, quadratic};
 use crate::error::{Error, at_least};
+use crate::factor::{Factor, quadratic};
 
 /// Points of a design beyond the terms of the polynomial: what the lack of fit is seen by.
 const LEAST_SPARE: usize = 4;
@@ -13,14 +13,14 @@ const LEAST_SPARE: usize = 4;
 ///
 /// one set of weights `h` for all numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Polynomial {
+pub(crate) struct Polynomial {
     n_terms: usize,
     /// `(B^T W B)^-1 B^T W`, point after point.
     solution: Vec<f64>,
 }
 
 /// `b(x)`.
-pub(super) fn terms(units: &[f64]) -> Vec<f64> {
+pub(crate) fn terms(units: &[f64]) -> Vec<f64> {
     let mut terms = vec![1.0];
     terms.extend(units);
     for i in 0..units.len() {
@@ -35,7 +35,7 @@ impl Polynomial {
     /// # Errors
     /// [`Error::TooFew`] for fewer than 4 points more than terms, [`Error::NotPositiveDefinite`] where points do not determine the
     /// terms, as on a line.
-    pub(super) fn new(design: &[Vec<f64>], weights: &[f64]) -> Result<Self, Error> {
+    pub(crate) fn new(design: &[Vec<f64>], weights: &[f64]) -> Result<Self, Error> {
         let dimension = design.first().map_or(0, Vec::len);
         let n_terms = (dimension + 1) * (dimension + 2) / 2;
         at_least("points of the design", design.len(), n_terms + LEAST_SPARE)?;
@@ -59,7 +59,7 @@ impl Polynomial {
     }
 
     /// Coefficients of the polynomial through numbers, one for each point.
-    pub(super) fn coefficients(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
+    pub(crate) fn coefficients(&self, numbers: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut coefficients = vec![0.0; self.n_terms];
         for (number, column) in numbers.zip(self.solution.chunks_exact(self.n_terms)) {
             for (coefficient, entry) in coefficients.iter_mut().zip(column) {
@@ -70,18 +70,18 @@ impl Polynomial {
     }
 
     /// `h(x)`.
-    pub(super) fn shares(&self, units: &[f64]) -> Vec<f64> {
+    pub(crate) fn shares(&self, units: &[f64]) -> Vec<f64> {
         let terms = terms(units);
         self.solution.chunks_exact(self.n_terms).map(|column| dot(&terms, column)).collect()
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `sum_j h_j^2 s^T C_j s`: the variance of what moves by `s` with the numbers of each point.
-pub(super) fn variance<'a>(
+pub(crate) fn variance<'a>(
     shares: &[f64],
     slopes: &[f64],
     covariances: impl Iterator<Item = &'a [f64]>,

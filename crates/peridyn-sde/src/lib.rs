@@ -50,8 +50,8 @@ pub use crossing::Crossing;
 pub use disorder::{BondValue, DisorderField, between_nodes, from_column};
 pub use elasticity::{Condition, Influence, critical_stretch, micromodulus};
 pub use ensemble::{
-    BrokenInStep, CrackRun, CrackShard, CrackStudy, FinalState, GroupProgress, HaltedRun,
-    Procedure, RunOutcome, Stiffness, Strength, StudyLaw, merge_shards,
+    BondOrder, BrokenInStep, CrackRun, CrackShard, CrackStudy, FinalState, GroupProgress,
+    HaltedRun, Procedure, RunOutcome, Stiffness, Strength, StudyLaw, merge_shards,
 };
 pub use equilibrium::{
     Breakage, EquilibriumConfig, LoadStep, NextBreakage, QuasiStatic, Solved, envelope,

@@ -70,6 +70,17 @@ pub enum StudyLaw<'a> {
     LinearSolid(&'a SolidBonds),
 }
 
+/// How the bonds of a body are visited: both ways have the same forces within roundoff, and so the same cracks but where roundoff
+/// decides which bond breaks first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BondOrder {
+    /// In a list, any body: realisations side by side in the lanes of registers, as many as fill one.
+    List,
+    /// Along the rows of a lattice, one realisation after the other: in one realisation 3 to 6 times as fast as a list, in as many as
+    /// fill a register as fast as these. For a uniform stiffness, of a linear peridynamic solid also a uniform strength.
+    Lattice,
+}
+
 /// How the load is applied.
 #[derive(Debug, Clone, Copy)]
 pub enum Procedure<'a> {
@@ -108,6 +119,8 @@ pub struct CrackStudy<'a> {
     pub bonds: &'a Bonds,
     /// How they pull.
     pub law: StudyLaw<'a>,
+    /// How their bonds are visited. Bonds that soften have a list.
+    pub order: BondOrder,
     /// How strains are measured.
     pub strain: Strain,
     /// When bonds break.

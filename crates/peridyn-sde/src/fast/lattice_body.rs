@@ -53,8 +53,8 @@ impl<T: Real, const D: usize> Body<T, D, 1> for LatticeBody<T, D> {
         self.strain
     }
 
-    fn strength(&self, _bond: usize, _lane: usize) -> f64 {
-        self.strength
+    fn strength(&self, bond: usize, _lane: usize) -> f64 {
+        self.strengths.get(bond).copied().unwrap_or(self.strength)
     }
 
     fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {

@@ -62,10 +62,15 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool, const OWN: boo
             let moved = (self.u, &u_i);
             let separation = all.separation::<R, LINEAR>(registers, (bond, [i, j]), moved, first);
             let limit = self.limit(registers, bond, first);
-            let pull = separation.elongation.pull::<R, LINEAR>(registers, limit, |reached| {
-                let lanes = reached << first;
-                self.reached.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
-            });
+            let pull = separation.elongation.pull::<R, LINEAR>(
+                registers,
+                limit,
+                || limit,
+                |reached| {
+                    let lanes = reached << first;
+                    self.reached.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
+                },
+            );
             let tension = Self::of(registers, &self.columns.stiffness, bond, first) * pull;
             for k in 0..D {
                 let force = tension * separation.direction[k];

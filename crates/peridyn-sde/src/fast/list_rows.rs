@@ -153,12 +153,17 @@ impl<T: Real> Batch<T> {
             let elongation = SquaredElongation::new(registers, elongation, LaneBits::MAX);
             let w = elongation.0;
             let limit = registers.splat(least).max(load(limits));
-            let pull = elongation.pull::<R, LINEAR>(registers, limit, |of_lanes| {
-                for lane in (0..lanes).filter(|lane| of_lanes & 1 << lane != 0) {
-                    let bond = bonds.start + at + lane;
-                    reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
-                }
-            });
+            let pull = elongation.pull::<R, LINEAR>(
+                registers,
+                limit,
+                || limit,
+                |of_lanes| {
+                    for lane in (0..lanes).filter(|lane| of_lanes & 1 << lane != 0) {
+                        let bond = bonds.start + at + lane;
+                        reached.push(BrokenBond { bond, lanes: 1, cause: Cause::Stretch });
+                    }
+                },
+            );
             registers.store_at(of(at, [w, pull, load(factors)]), tensions, 0);
             at += lanes;
         }

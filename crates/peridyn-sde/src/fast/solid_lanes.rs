@@ -82,10 +82,15 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> SumLanes<'_, T
                 Limit::Unreached => registers.splat(T::LARGEST),
             };
             let w = elongation.0;
-            let pull = elongation.pull::<R, LINEAR>(registers, limit, |reached| {
-                let lanes = reached << first;
-                self.reached.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
-            });
+            let pull = elongation.pull::<R, LINEAR>(
+                registers,
+                limit,
+                || limit,
+                |reached| {
+                    let lanes = reached << first;
+                    self.reached.push(BrokenBond { bond, lanes, cause: Cause::Stretch });
+                },
+            );
             // sqrt(1 + w) - 1 = (1 + w) (1 - p) - 1.
             let stretch = if LINEAR { pull } else { w - (pull + w * pull) };
             let part = registers.splat(self.columns.moments[bond]) * stretch;
@@ -136,7 +141,8 @@ impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> ForceLanes<'_,
             let j = all.bonds.partner(bond);
             let moved = (self.u, &u_i);
             let separation = all.separation::<R, LINEAR>(registers, (bond, [i, j]), moved, first);
-            let pull = separation.elongation.pull::<R, LINEAR>(registers, unreached, |_| ());
+            let pull =
+                separation.elongation.pull::<R, LINEAR>(registers, unreached, || unreached, |_| ());
             let tau = tau_i + registers.load_at(self.tau, j * L + first);
             let of_dilatation = registers.splat(columns.weights[bond]) * tau;
             let stiffness = registers.splat(columns.stiffness[bond]);

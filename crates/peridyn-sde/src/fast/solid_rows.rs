@@ -150,10 +150,15 @@ impl<T: Real, const D: usize> SumRow<'_, T, D> {
                 let Separation { elongation, .. } =
                     constants.separation::<T, R, LINEAR>(registers, (&here, &there), at, word);
                 let w = elongation.0;
-                let pull = elongation.pull::<R, LINEAR>(registers, limit, |reached| {
-                    let lanes = (0..lanes).filter(|lane| reached & 1 << lane != 0);
-                    self.reached.extend(lanes.map(|lane| (group + at + lane, number)));
-                });
+                let pull = elongation.pull::<R, LINEAR>(
+                    registers,
+                    limit,
+                    || limit,
+                    |reached| {
+                        let lanes = (0..lanes).filter(|lane| reached & 1 << lane != 0);
+                        self.reached.extend(lanes.map(|lane| (group + at + lane, number)));
+                    },
+                );
                 // sqrt(1 + w) - 1 = (1 + w) (1 - p) - 1.
                 let stretch = if LINEAR { pull } else { w - (pull + w * pull) };
                 let part = moment * stretch;
@@ -220,7 +225,7 @@ impl<T: Real, const D: usize> ForceRow<'_, T, D> {
                 let at = register * lanes;
                 let Separation { direction, elongation } =
                     constants.separation::<T, R, LINEAR>(registers, (&here, &there), at, word);
-                let pull = elongation.pull::<R, LINEAR>(registers, limit, |_| ());
+                let pull = elongation.pull::<R, LINEAR>(registers, limit, || limit, |_| ());
                 let both = |k: usize| {
                     registers.load_at(nodal_here[k], at) + registers.load_at(nodal_there[k], at)
                 };

@@ -146,9 +146,9 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
                     &eta,
                     word >> at,
                 );
-                let own = || match limits.is_empty() {
-                    true => limit,
-                    false => registers.load_at(limits, number * GROUP + at),
+                let own = || {
+                    let at = number * GROUP + at;
+                    if limits.is_empty() { limit } else { registers.load_at(limits, at) }
                 };
                 let pull =
                     separation.elongation.pull::<R, LINEAR>(registers, limit, own, |reached| {

@@ -3,11 +3,11 @@
 use super::crack_run::BrokenInStep;
 use super::ended::{AtEnd, Ended, failed};
 use super::study::{BondOrder, CrackStudy, Stiffness, StudyLaw};
-use crate::body::Body;
+use crate::bodies::body::Body;
+use crate::bodies::network::Network;
 use crate::equilibrium::{EquilibriumConfig, NextBreakage, QuasiStatic};
 use crate::error::Error;
-use crate::network::Network;
-use crate::strain::Strain;
+use crate::material::strain::Strain;
 
 /// The part of its stiffness that a bond has lost once it counts as broken. Of a bond that breaks at once it is all.
 const BROKEN: f64 = 0.9;

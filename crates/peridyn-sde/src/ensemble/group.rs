@@ -4,15 +4,15 @@ use super::crack_run::BrokenInStep;
 use super::ended::{AtEnd, failed};
 use super::halted::{GroupState, SavedGroup, Seen};
 use super::study::{CrackStudy, Stiffness, StudyLaw};
-use crate::body::Body;
-use crate::broken_bond::Cause;
-use crate::config::SimulationConfig;
+use crate::bodies::body::Body;
+use crate::breaking::broken_bond::Cause;
+use crate::dynamics::config::SimulationConfig;
+use crate::dynamics::simulation::Simulation;
+use crate::dynamics::swing;
 use crate::error::{Error, same_length};
 use crate::fast::{BondList, LatticeBody, SolidLattice, SolidList};
+use crate::material::strain::Strain;
 use crate::real::Real;
-use crate::simulation::Simulation;
-use crate::strain::Strain;
-use crate::swing;
 
 /// Steps after which a group may halt for the first time.
 const ASKED_AT: u64 = 4;

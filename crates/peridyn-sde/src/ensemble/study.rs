@@ -2,17 +2,17 @@
 
 use sde_integrators::Noise;
 
-use crate::bonds::Bonds;
-use crate::config::SimulationConfig;
-use crate::disorder::{BondValue, DisorderField};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
+use crate::dynamics::config::SimulationConfig;
+use crate::dynamics::loading::Loading;
 use crate::equilibrium::EquilibriumConfig;
 use crate::law::Bilinear;
-use crate::loading::Loading;
-use crate::nodes::Nodes;
+use crate::material::disorder::{BondValue, DisorderField};
+use crate::material::strain::Strain;
+use crate::material::weakest_link::WeibullStrength;
 use crate::path::{Notch, PathConfig};
 use crate::solid::SolidBonds;
-use crate::strain::Strain;
-use crate::weakest_link::WeibullStrength;
 
 /// The stretches at which bonds break.
 #[derive(Debug, Clone, Copy)]

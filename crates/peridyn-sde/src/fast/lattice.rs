@@ -8,12 +8,12 @@ use super::lattice_grid::Grid;
 use super::lattice_rows::{Band, BandWork};
 use super::limit::Limit;
 use super::stencil::GROUP;
-use crate::body::{AtStrength, Body};
-use crate::bonds::Bonds;
+use crate::bodies::body::{AtStrength, Body};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::error::{Error, positive, same_length};
-use crate::nodes::Nodes;
+use crate::material::strain::Strain;
 use crate::real::Real;
-use crate::strain::Strain;
 
 /// A body whose nodes are on a lattice and whose bonds are all alike: of one volume, and one stiffness for each vector between
 /// nodes. Their strengths may differ. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads one bit of a bond (more

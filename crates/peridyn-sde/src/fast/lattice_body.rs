@@ -1,13 +1,13 @@
 //! Bonds of a lattice as a body: its passes over all bonds are those that are compiled with this crate.
 
 use super::lattice::LatticeBody;
-use crate::body::{AtStrength, Body};
-use crate::bonds::Bonds;
+use crate::bodies::body::{AtStrength, Body};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::compiled::lattices;
 use crate::error::Error;
-use crate::nodes::Nodes;
+use crate::material::strain::Strain;
 use crate::real::Real;
-use crate::strain::Strain;
 
 impl<T: Real, const D: usize> LatticeBody<T, D> {
     /// An undamaged body whose bonds break at one strength (a stretch).

@@ -6,9 +6,10 @@
 //! ```
 
 use peridyn_sde::{
-    BondConfig, BondValue, Bonds, Breaking, Condition, CrackStudy, DisorderField, Dynamics, Error,
-    Horizon, Influence, Loading, Nodes, Notch, PathConfig, Procedure, Program, SimulationConfig,
-    Stiffness, Strain, Strength, StudyLaw, SurfaceCorrection, VolumeCorrection, critical_stretch,
+    BondConfig, BondOrder, BondValue, Bonds, Breaking, Condition, CrackStudy, DisorderField,
+    Dynamics, Error, Horizon, Influence, Loading, Nodes, Notch, PathConfig, Procedure, Program,
+    SimulationConfig, Stiffness, Strain, Strength, StudyLaw, SurfaceCorrection, VolumeCorrection,
+    critical_stretch,
     statistics::{Bootstrap, CrackEnsemble},
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
@@ -86,6 +87,7 @@ fn main() -> Result<(), Error> {
         nodes: &nodes,
         bonds: &bonds,
         law: StudyLaw::BondBased,
+        order: BondOrder::List,
         strain: Strain::Finite,
         strength: Strength::Field { field: &strength, value: BondValue::Mean },
         stiffness: Stiffness::Uniform,

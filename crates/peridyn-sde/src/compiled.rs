@@ -3,21 +3,21 @@
 
 use std::any::Any;
 
-use crate::body::{AtStrength, Body};
-use crate::bonds::Bonds;
-use crate::broken_bond::BrokenBond;
-use crate::config::SimulationConfig;
-use crate::crossing::Crossing;
+use crate::bodies::body::{AtStrength, Body};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
+use crate::breaking::broken_bond::BrokenBond;
+use crate::breaking::crossing::Crossing;
+use crate::dynamics::config::SimulationConfig;
+use crate::dynamics::loading::Loading;
+use crate::dynamics::motion::Motion;
+use crate::dynamics::report::StepReport;
 use crate::error::Error;
 use crate::fast::{BondList, LatticeBody, SolidLattice, SolidList};
-use crate::loading::Loading;
-use crate::motion::Motion;
-use crate::nodes::Nodes;
+use crate::material::strain::Strain;
 use crate::real::Real;
-use crate::report::StepReport;
 use crate::solid::SolidBonds;
 use crate::steps::Stepper;
-use crate::strain::Strain;
 
 /// What is done to a body in time.
 pub(crate) struct Motions<T, const D: usize, const L: usize> {

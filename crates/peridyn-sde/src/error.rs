@@ -405,48 +405,6 @@ pub enum Error {
         /// How many there are.
         n_nodes: usize,
     },
-    /// A list of another length than those it goes with.
-    #[error("{value} numbers in {name}; there must be {expected}")]
-    Count {
-        /// Which list.
-        name: &'static str,
-        /// How many there are.
-        value: usize,
-        /// How many there must be.
-        expected: usize,
-    },
-    /// Bounds of a parameter that hold nothing, or what it cannot be.
-    #[error("the bounds of {name} are {low} and {high}; {must}")]
-    Bounds {
-        /// The parameter.
-        name: String,
-        /// The lower one.
-        low: f64,
-        /// The upper one.
-        high: f64,
-        /// What they must be.
-        must: &'static str,
-    },
-    /// A value of a parameter beyond its bounds.
-    #[error("{name} is {value}; its bounds are {low} and {high}")]
-    OutOfBounds {
-        /// The parameter.
-        name: String,
-        /// What was given.
-        value: f64,
-        /// The lower bound.
-        low: f64,
-        /// The upper bound.
-        high: f64,
-    },
-    /// One of the ensembles of an emulator.
-    #[error("ensemble {ensemble}: {reason}")]
-    Ensemble {
-        /// Which, from 0 on.
-        ensemble: usize,
-        /// Why it does not do.
-        reason: Box<Error>,
-    },
     /// A factor of a covariance could not be made.
     #[error(transparent)]
     Factor(#[from] sde_integrators::Error),

@@ -1,6 +1,6 @@
 //! Results of an ensemble of cracks.
 
-use crate::bonds::Bonds;
+use crate::bodies::bonds::Bonds;
 use crate::error::Error;
 use crate::statistics::{CrackRecord, DamageMap};
 

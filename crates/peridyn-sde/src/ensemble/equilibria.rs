@@ -2,14 +2,12 @@
 
 use super::crack_run::BrokenInStep;
 use super::ended::{AtEnd, Ended, failed};
-use super::study::{CrackStudy, StudyLaw};
-use crate::body::Body;
+use super::study::{BondOrder, CrackStudy, Stiffness, StudyLaw};
+use crate::bodies::body::Body;
+use crate::bodies::network::Network;
 use crate::equilibrium::{EquilibriumConfig, NextBreakage, QuasiStatic};
-use crate::error::{Error, same_length};
-use crate::fast::{BondList, SolidList};
-use crate::network::Network;
-
-use crate::strain::Strain;
+use crate::error::Error;
+use crate::material::strain::Strain;
 
 /// The part of its stiffness that a bond has lost once it counts as broken. Of a bond that breaks at once it is all.
 const BROKEN: f64 = 0.9;
@@ -71,30 +69,16 @@ impl CrackStudy<'_> {
     }
 
     fn slow_body(&self, id: u64, strengths: Vec<f64>) -> Result<Box<dyn Body<f64, 2, 1>>, Error> {
-        let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
-        let factors = self.stiffness_factors([id])?;
-        match (self.law, factors) {
-            (StudyLaw::BondBased, factors) => {
-                let body = BondList::<f64, 2, 1>::new(nodes, bonds, Strain::Linear, &strengths)?;
-                Ok(match factors {
-                    Some(factors) => Box::new(body.with_stiffness_factors(&factors)?),
-                    None => Box::new(body),
-                })
-            }
-            (StudyLaw::Softening(law), None) => {
-                Ok(Box::new(Network::new(nodes, bonds, law, strengths)?))
-            }
-            (StudyLaw::LinearSolid(solid), None) => {
-                same_length("bonds of the solid", solid.bonds().len(), bonds.len())?;
-                let (solid, strengths) = (solid.clone(), [strengths]);
-                Ok(Box::new(SolidList::<f64, 2, 1>::new(nodes, solid, Strain::Linear, &strengths)?))
-            }
-            (StudyLaw::Softening(_), Some(_)) => {
+        match (self.law, self.order) {
+            (StudyLaw::Softening(_), _) if !matches!(self.stiffness, Stiffness::Uniform) => {
                 Err(Error::UniformStiffness { law: "bonds that soften" })
             }
-            (StudyLaw::LinearSolid(_), Some(_)) => {
-                Err(Error::UniformStiffness { law: "a linear peridynamic solid" })
+            (StudyLaw::Softening(law), _) => {
+                let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
+                Ok(Box::new(Network::new(nodes, bonds, law, strengths)?))
             }
+            (_, BondOrder::List) => self.in_list::<f64, 1>([id], &[strengths], Strain::Linear),
+            (_, BondOrder::Lattice) => self.on_lattice::<f64>(&[strengths], Strain::Linear),
         }
     }
 

@@ -3,15 +3,16 @@
 use super::crack_run::BrokenInStep;
 use super::ended::{AtEnd, failed};
 use super::halted::{GroupState, SavedGroup, Seen};
-use super::study::{CrackStudy, StudyLaw};
-use crate::body::Body;
-use crate::broken_bond::Cause;
-use crate::config::SimulationConfig;
+use super::study::{CrackStudy, Stiffness, StudyLaw};
+use crate::bodies::body::Body;
+use crate::breaking::broken_bond::Cause;
+use crate::dynamics::config::SimulationConfig;
+use crate::dynamics::simulation::Simulation;
+use crate::dynamics::swing;
 use crate::error::{Error, same_length};
-use crate::fast::{BondList, SolidList};
+use crate::fast::{BondList, LatticeBody, SolidLattice, SolidList};
+use crate::material::strain::Strain;
 use crate::real::Real;
-use crate::simulation::Simulation;
-use crate::swing;
 
 /// Steps after which a group may halt for the first time.
 const ASKED_AT: u64 = 4;
@@ -22,6 +23,10 @@ const ASKED_EVERY: u64 = swing::EVERY;
 type Lost<const L: usize> = [Option<String>; L];
 
 type Motion<T, const L: usize> = Simulation<T, Box<dyn Body<T, 2, L>>, 2, L>;
+
+/// Makes the undamaged body of a group of realisations with these numbers and strengths.
+pub(super) type MakeBody<'a, T, const L: usize> =
+    dyn Fn([u64; L], &[Vec<f64>]) -> Result<Box<dyn Body<T, 2, L>>, Error> + Sync + 'a;
 
 /// Realisations of a group.
 pub(super) struct Lanes<'a, const L: usize> {
@@ -40,6 +45,7 @@ impl CrackStudy<'_> {
     pub(super) fn group<T: Real, const L: usize>(
         &self,
         group: &Lanes<'_, L>,
+        make: &MakeBody<'_, T, L>,
         known: Option<GroupState>,
         (wanted, goes_on): (&dyn Fn(u64) -> bool, &dyn Fn(u64) -> bool),
     ) -> Result<GroupState, Error> {
@@ -53,7 +59,8 @@ impl CrackStudy<'_> {
             saved_group = Some((saved, seen));
         }
         let (simulation, seen) = loop {
-            let body = self.body::<T, L>(ids, &strengths.of_bonds, &lost)?;
+            let mut body = make(ids, &strengths.of_bonds)?;
+            leave_out(&mut *body, &lost);
             let mut simulation = Simulation::new(body, self.loading.clone(), config.clone(), ids)?;
             simulation.cut(cut)?;
             let mut seen = Seen::new(L, cut);
@@ -104,44 +111,70 @@ impl CrackStudy<'_> {
         Ok(GroupState::Finished(ended))
     }
 
-    /// Undamaged, but for lanes that are left out.
-    fn body<T: Real, const L: usize>(
+    /// An undamaged body in a list, a realisation in each lane.
+    pub(super) fn in_list<T: Real, const L: usize>(
         &self,
         ids: [u64; L],
         strengths: &[Vec<f64>],
-        lost: &Lost<L>,
+        strain: Strain,
     ) -> Result<Box<dyn Body<T, 2, L>>, Error> {
         let (nodes, factors) = (self.nodes.clone(), self.stiffness_factors(ids)?);
-        let mut body: Box<dyn Body<T, 2, L>> = match self.law {
-            StudyLaw::Softening(_) => return Err(Error::SofteningInTime),
+        match self.law {
+            StudyLaw::Softening(_) => Err(Error::SofteningInTime),
             StudyLaw::LinearSolid(_) if factors.is_some() => {
-                return Err(Error::UniformStiffness { law: "a linear peridynamic solid" });
+                Err(Error::UniformStiffness { law: "a linear peridynamic solid" })
             }
             StudyLaw::LinearSolid(solid) => {
                 same_length("bonds of the solid", solid.bonds().len(), self.bonds.len())?;
                 let each = (0..L).map(|lane| strengths[lane % strengths.len()].clone());
                 let each: Vec<_> = each.collect();
-                Box::new(SolidList::new(nodes, solid.clone(), self.strain, &each)?)
+                Ok(Box::new(SolidList::new(nodes, solid.clone(), strain, &each)?))
             }
             StudyLaw::BondBased => {
-                let mut body =
-                    BondList::new(nodes, self.bonds.clone(), self.strain, &strengths[0])?;
+                let mut body = BondList::new(nodes, self.bonds.clone(), strain, &strengths[0])?;
                 if strengths.len() > 1 {
                     body = body.with_strengths(strengths)?;
                 }
                 if let Some(factors) = factors {
                     body = body.with_stiffness_factors(&factors)?;
                 }
-                Box::new(body)
+                Ok(Box::new(body))
             }
-        };
-        let left_out = (0..L).filter(|&lane| lost[lane].is_some());
-        let left_out = left_out.fold(0, |lanes: u16, lane| lanes | 1 << lane);
-        for bond in 0..if left_out == 0 { 0 } else { self.bonds.len() } {
-            let intact = body.intact(bond);
-            body.set_intact(bond, intact & !left_out);
         }
-        Ok(body)
+    }
+
+    /// An undamaged realisation on a lattice.
+    pub(super) fn on_lattice<T: Real>(
+        &self,
+        strengths: &[Vec<f64>],
+        strain: Strain,
+    ) -> Result<Box<dyn Body<T, 2, 1>>, Error> {
+        let (nodes, bonds, strengths) = (self.nodes.clone(), self.bonds.clone(), &strengths[0]);
+        let Some(&first) = strengths.first() else {
+            return Err(Error::TooFew { name: "bonds", value: 0, limit: 1 });
+        };
+        if !matches!(self.stiffness, Stiffness::Uniform) {
+            return Err(Error::UniformStiffness { law: "a lattice" });
+        }
+        let different = strengths.iter().position(|&strength| (strength - first).abs() > 0.0);
+        match (self.law, different) {
+            (StudyLaw::Softening(_), _) => Err(Error::SofteningInTime),
+            (StudyLaw::BondBased, None) => {
+                Ok(Box::new(LatticeBody::new(nodes, bonds, strain, first)?))
+            }
+            (StudyLaw::BondBased, Some(_)) => {
+                let body = LatticeBody::new(nodes, bonds, strain, first)?;
+                Ok(Box::new(body.with_strengths(strengths)?))
+            }
+            (StudyLaw::LinearSolid(solid), None) => {
+                same_length("bonds of the solid", solid.bonds().len(), bonds.len())?;
+                Ok(Box::new(SolidLattice::new(nodes, solid.clone(), strain, first)?))
+            }
+            (StudyLaw::LinearSolid(_), Some(bond)) => {
+                let (what, spacing) = ("the strength of a bond", nodes.spacing());
+                Err(Error::NotLattice { what, node: bonds.ends(bond).0, spacing })
+            }
+        }
     }
 
     /// Steps to the end, while `goes_on` returns true.
@@ -174,6 +207,16 @@ impl CrackStudy<'_> {
             }
         }
         Ok(())
+    }
+}
+
+/// Breaks all bonds in the lanes that are left out.
+fn leave_out<T: Real, const L: usize>(body: &mut dyn Body<T, 2, L>, lost: &Lost<L>) {
+    let left_out = (0..L).filter(|&lane| lost[lane].is_some());
+    let left_out = left_out.fold(0, |lanes: u16, lane| lanes | 1 << lane);
+    for bond in 0..if left_out == 0 { 0 } else { body.bonds().len() } {
+        let intact = body.intact(bond);
+        body.set_intact(bond, intact & !left_out);
     }
 }
 

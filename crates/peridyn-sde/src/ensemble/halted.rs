@@ -5,9 +5,9 @@ use std::ops::Range;
 use super::crack_run::{BrokenInStep, CrackRun};
 use super::ended::Ended;
 use super::study::CrackStudy;
+use crate::dynamics::saved::SavedState;
 use crate::error::{Error, same_length};
 use crate::real::Real;
-use crate::saved::SavedState;
 
 /// How far a group of realisations that run side by side has come.
 #[derive(Debug, Clone, Copy, PartialEq)]

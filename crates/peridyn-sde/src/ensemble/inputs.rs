@@ -1,8 +1,8 @@
 //! Strengths and stiffnesses of the bonds of realisations.
 
 use super::study::{CrackStudy, Stiffness, Strength};
-use crate::disorder::{DisorderField, between_nodes};
 use crate::error::Error;
+use crate::material::disorder::{DisorderField, between_nodes};
 
 /// A stretch that no bond comes to.
 const NEVER: f64 = 1e6;

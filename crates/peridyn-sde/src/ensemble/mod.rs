@@ -14,4 +14,4 @@ mod study;
 pub use crack_run::{BrokenInStep, CrackRun, FinalState};
 pub use halted::{GroupProgress, HaltedRun, RunOutcome};
 pub use shard::{CrackShard, merge_shards};
-pub use study::{CrackStudy, Procedure, Stiffness, Strength, StudyLaw};
+pub use study::{BondOrder, CrackStudy, Procedure, Stiffness, Strength, StudyLaw};

@@ -10,14 +10,14 @@ use super::ended::Ended;
 use super::equilibria::SlowLoad;
 use super::group::Lanes;
 use super::halted::{GroupProgress, GroupState, HaltedGroup, HaltedRun};
-use super::study::{CrackStudy, Procedure};
+use super::study::{BondOrder, CrackStudy, Procedure};
 use crate::error::{Error, positive};
 use crate::real::Real;
 use crate::statistics::DamageMap;
 
 impl CrackStudy<'_> {
-    /// Runs the realisations of a range, `L` side by side (8 or 16) and groups of them in parallel; under a quasi-static load one by
-    /// one in `f64`, whatever `T` and `L`. `keep` are the numbers of those whose final state is wanted.
+    /// Runs the realisations of a range, `L` side by side (8 or 16) and groups of them in parallel; on a [lattice](BondOrder::Lattice)
+    /// one by one, whatever `L`, and under a quasi-static load one by one in `f64`, whatever `T` and `L`. `keep` are the numbers of those whose final state is wanted.
     /// [`run_while`](Self::run_while) can be halted.
     ///
     /// A realisation whose path is lost, or that comes to no equilibrium, is counted as failed, with its reason.
@@ -65,18 +65,33 @@ impl CrackStudy<'_> {
                 });
             }
         };
-        let lanes = L as u64;
-        let groups = realisations.start / lanes..realisations.end.div_ceil(lanes);
-        run_groups(groups, known, &|group, known| {
-            let ids: [u64; L] = std::array::from_fn(|lane| group * lanes + lane as u64);
-            let wanted = |id: u64| realisations.contains(&id);
-            let part = |step: u64| {
-                let done = Some(step as f64 / n_steps as f64);
-                goes_on(GroupProgress { realisation: ids[0].max(realisations.start), done })
-            };
-            let group = Lanes { ids, motion: (simulation, n_steps), cut: &cut, keep };
-            self.group::<T, L>(&group, known, (&wanted, &part))
-        })
+        let part_of = |ids: &[u64], step: u64| {
+            let done = Some(step as f64 / n_steps as f64);
+            goes_on(GroupProgress { realisation: ids[0].max(realisations.start), done })
+        };
+        let wanted = |id: u64| realisations.contains(&id);
+        let motion = (simulation, n_steps);
+        match self.order {
+            BondOrder::List => {
+                let lanes = L as u64;
+                let groups = realisations.start / lanes..realisations.end.div_ceil(lanes);
+                run_groups(groups, known, &|group, known| {
+                    let ids: [u64; L] = std::array::from_fn(|lane| group * lanes + lane as u64);
+                    let group = Lanes { ids, motion, cut: &cut, keep };
+                    let make = |ids, strengths: &[Vec<f64>]| {
+                        self.in_list::<T, L>(ids, strengths, self.strain)
+                    };
+                    let part = |step| part_of(&ids, step);
+                    self.group::<T, L>(&group, &make, known, (&wanted, &part))
+                })
+            }
+            BondOrder::Lattice => run_groups(realisations.clone(), known, &|id, known| {
+                let group = Lanes { ids: [id], motion, cut: &cut, keep };
+                let make = |_, strengths: &[Vec<f64>]| self.on_lattice::<T>(strengths, self.strain);
+                let part = |step| part_of(&[id], step);
+                self.group::<T, 1>(&group, &make, known, (&wanted, &part))
+            }),
+        }
     }
 
     /// Joins realisations in order.

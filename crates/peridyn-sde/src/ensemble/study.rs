@@ -2,17 +2,17 @@
 
 use sde_integrators::Noise;
 
-use crate::bonds::Bonds;
-use crate::config::SimulationConfig;
-use crate::disorder::{BondValue, DisorderField};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
+use crate::dynamics::config::SimulationConfig;
+use crate::dynamics::loading::Loading;
 use crate::equilibrium::EquilibriumConfig;
 use crate::law::Bilinear;
-use crate::loading::Loading;
-use crate::nodes::Nodes;
+use crate::material::disorder::{BondValue, DisorderField};
+use crate::material::strain::Strain;
+use crate::material::weakest_link::WeibullStrength;
 use crate::path::{Notch, PathConfig};
 use crate::solid::SolidBonds;
-use crate::strain::Strain;
-use crate::weakest_link::WeibullStrength;
 
 /// The stretches at which bonds break.
 #[derive(Debug, Clone, Copy)]
@@ -70,6 +70,17 @@ pub enum StudyLaw<'a> {
     LinearSolid(&'a SolidBonds),
 }
 
+/// How the bonds of a body are visited: both ways have the same forces within roundoff, and so the same cracks but where roundoff
+/// decides which bond breaks first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BondOrder {
+    /// In a list, any body: realisations side by side in the lanes of registers, as many as fill one.
+    List,
+    /// Along the rows of a lattice, one realisation after the other: in one realisation 3 to 6 times as fast as a list, in as many as
+    /// fill a register as fast as these. For a uniform stiffness, of a linear peridynamic solid also a uniform strength.
+    Lattice,
+}
+
 /// How the load is applied.
 #[derive(Debug, Clone, Copy)]
 pub enum Procedure<'a> {
@@ -108,6 +119,8 @@ pub struct CrackStudy<'a> {
     pub bonds: &'a Bonds,
     /// How they pull.
     pub law: StudyLaw<'a>,
+    /// How their bonds are visited. Bonds that soften have a list.
+    pub order: BondOrder,
     /// How strains are measured.
     pub strain: Strain,
     /// When bonds break.

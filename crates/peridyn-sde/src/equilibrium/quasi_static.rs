@@ -2,10 +2,10 @@
 
 use super::config::EquilibriumConfig;
 use super::statics::{Forces, Solved, Statics};
-use crate::body::Body;
+use crate::bodies::body::Body;
+use crate::dynamics::loading::Loading;
 use crate::error::{Error, finite};
-use crate::loading::Loading;
-use crate::strain::Strain;
+use crate::material::strain::Strain;
 
 /// Stored energy over the largest before, at the same load, below which a body counts as separated.
 const SEPARATED: f64 = 1e-6;

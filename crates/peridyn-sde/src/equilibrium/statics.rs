@@ -3,10 +3,10 @@
 use super::config::EquilibriumConfig;
 use super::solver::{Solver, Stop, dot, norm};
 use super::two_level::{TwoLevel, direction};
-use crate::body::{AtStrength, Body};
+use crate::bodies::body::{AtStrength, Body};
+use crate::dynamics::loading::Loading;
 use crate::error::{Error, same_length};
-use crate::loading::Loading;
-use crate::strain::Strain;
+use crate::material::strain::Strain;
 
 /// How far a displacement is moved for a difference of forces, over the spacing of the nodes.
 const DIFFERENCE: f64 = 1e-6;

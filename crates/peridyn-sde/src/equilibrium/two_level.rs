@@ -1,9 +1,9 @@
 //! The preconditioner: blocks of the nodes, and the rigid motions of boxes of nodes.
 
 use super::band::Band;
-use crate::bonds::Bonds;
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::error::Error;
-use crate::nodes::Nodes;
 
 /// Width of a box over the longest bond: of 1, 1.5, 2 and 3 that with the fewest iterations over the breakages of two notched
 /// plates together, of 64 x 64 and 128 x 128 nodes (measured once, 2026-11-26: 14,352, 10,391, 13,770 and 24,027; blocks alone

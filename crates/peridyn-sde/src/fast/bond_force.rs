@@ -76,7 +76,8 @@ impl<V: Lanes<Number: Real>> SquaredElongation<V> {
     }
 
     /// The force over stiffness over length along `direction`: `1 - 1/sqrt(1 + w)`, the stretch over the stretched length;
-    /// with linear strains `w/2`. Bonds at their limit carry none, and `found` gets their lanes.
+    /// with linear strains `w/2`. Bonds at their limit carry none, and `found` gets their lanes. No bond has a limit below `limit`;
+    /// `own` are those of the bonds, which are read where an elongation reaches that.
     ///
     /// The pull of a bond depends on no other lane, so that the bits do not depend on how many there are.
     #[inline(always)]
@@ -84,6 +85,7 @@ impl<V: Lanes<Number: Real>> SquaredElongation<V> {
         self,
         registers: R,
         limit: V,
+        own: impl FnOnce() -> V,
         found: impl FnOnce(LaneBits),
     ) -> V {
         let pull = self.near_pull::<LINEAR>();
@@ -93,7 +95,7 @@ impl<V: Lanes<Number: Real>> SquaredElongation<V> {
         let (mut values, mut limits) =
             ([V::Number::ZERO; MOST_LANES], [V::Number::ZERO; MOST_LANES]);
         registers.store_at(self.0, &mut values, 0);
-        registers.store_at(limit, &mut limits, 0);
+        registers.store_at(own(), &mut limits, 0);
         registers.apart(Far::<_, _, LINEAR> { values: &mut values, limits: &limits, found });
         registers.load_at(&values, 0)
     }

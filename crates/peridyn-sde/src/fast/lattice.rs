@@ -7,15 +7,16 @@ use super::LaneBits;
 use super::lattice_grid::Grid;
 use super::lattice_rows::{Band, BandWork};
 use super::limit::Limit;
-use crate::body::{AtStrength, Body};
-use crate::bonds::Bonds;
+use super::stencil::GROUP;
+use crate::bodies::body::{AtStrength, Body};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::error::{Error, positive, same_length};
-use crate::nodes::Nodes;
+use crate::material::strain::Strain;
 use crate::real::Real;
-use crate::strain::Strain;
 
-/// A body whose nodes are on a lattice and whose bonds are all alike: of one volume, one strength, and one stiffness for each
-/// vector between nodes. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads one bit of a bond (more
+/// A body whose nodes are on a lattice and whose bonds are all alike: of one volume, and one stiffness for each vector between
+/// nodes. Their strengths may differ. As [`BondList`](crate::BondList) with one lane, without a list: an evaluation reads one bit of a bond (more
 /// for the sites that fill up rows of 16). Besides, [`Bonds`] keeps 20 bytes of a bond that it does not touch.
 ///
 /// Bonds of one vector from neighbouring nodes are computed side by side, each once, in bands of rows in parallel. What a band pulls
@@ -26,7 +27,10 @@ pub struct LatticeBody<T, const D: usize> {
     pub(super) nodes: Nodes<D>,
     pub(super) bonds: Bonds,
     pub(super) strain: Strain,
+    /// The least of all bonds.
     pub(super) strength: f64,
+    /// Of each bond, where they differ.
+    pub(super) strengths: Vec<f64>,
     grid: Grid<T, D>,
     pub(super) bands: Vec<Band<T, D>>,
     level: SimdLevel,
@@ -46,11 +50,34 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         })?;
         positive("strength of a bond", strength)?;
         let (bands, level) = (grid.bands(), SimdLevel::best());
-        let mut body = Self { nodes, bonds, strain, strength, grid, bands, level };
+        let strengths = Vec::new();
+        let mut body = Self { nodes, bonds, strain, strength, strengths, grid, bands, level };
         for bond in 0..body.bonds.len() {
             body.set_intact(bond, 1);
         }
         Ok(body)
+    }
+
+    /// With a strength (a stretch) for each bond, in the order of [`Bonds::all`]. An evaluation reads them where an elongation is at
+    /// the least of them.
+    ///
+    /// # Errors
+    /// [`Error::Length`] where there are not as many as bonds; [`Error::NotPositive`] for a strength.
+    pub fn with_strengths(mut self, strengths: &[f64]) -> Result<Self, Error> {
+        same_length("strengths", strengths.len(), self.bonds.len())?;
+        for band in &mut self.bands {
+            band.limits = vec![T::LARGEST; band.intact.len() * GROUP];
+        }
+        self.strength = f64::INFINITY;
+        for (bond, &strength) in strengths.iter().enumerate() {
+            positive("strength of a bond", strength)?;
+            self.strength = self.strength.min(strength);
+            let (band, word, bit) = self.bit(self.bonds.ends(bond));
+            let limit = T::of(self.strain.squared_elongation(strength));
+            self.bands[band].limits[word * GROUP + bit.trailing_zeros() as usize] = limit;
+        }
+        self.strengths = strengths.to_vec();
+        Ok(self)
     }
 
     /// With the instructions of a level; the bits are the same with any.
@@ -71,19 +98,19 @@ impl<T: Real, const D: usize> LatticeBody<T, D> {
         same_length("forces", forces.len(), u.len())?;
         let mut none = Vec::new();
         let (limit, reached) = Limit::of(at, &mut none);
-        let limit = match limit {
-            Limit::Strength => T::of(self.strain.squared_elongation(self.strength)),
-            Limit::Unreached => T::LARGEST,
+        let (limit, own) = match limit {
+            Limit::Strength => (T::of(self.strain.squared_elongation(self.strength)), true),
+            Limit::Unreached => (T::LARGEST, false),
         };
         self.grid.spread(u);
         let (level, Grid { stencil, sites, padded }) = (self.level, &self.grid);
         // A virtual call for a band of many bonds, so that what distributes bands is compiled once.
         let of_band: &(dyn Fn(&mut Band<T, D>) + Sync) = match strain {
             Strain::Finite => &|band| {
-                level.run(BandWork::<T, D, false> { band, sites, stencil, padded, limit });
+                level.run(BandWork::<T, D, false> { band, sites, stencil, padded, limit, own });
             },
             Strain::Linear => &|band| {
-                level.run(BandWork::<T, D, true> { band, sites, stencil, padded, limit });
+                level.run(BandWork::<T, D, true> { band, sites, stencil, padded, limit, own });
             },
         };
         self.bands.par_iter_mut().for_each(of_band);

@@ -1,13 +1,13 @@
 //! Bonds of a lattice as a body: its passes over all bonds are those that are compiled with this crate.
 
 use super::lattice::LatticeBody;
-use crate::body::{AtStrength, Body};
-use crate::bonds::Bonds;
+use crate::bodies::body::{AtStrength, Body};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::compiled::lattices;
 use crate::error::Error;
-use crate::nodes::Nodes;
+use crate::material::strain::Strain;
 use crate::real::Real;
-use crate::strain::Strain;
 
 impl<T: Real, const D: usize> LatticeBody<T, D> {
     /// An undamaged body whose bonds break at one strength (a stretch).
@@ -53,8 +53,8 @@ impl<T: Real, const D: usize> Body<T, D, 1> for LatticeBody<T, D> {
         self.strain
     }
 
-    fn strength(&self, _bond: usize, _lane: usize) -> f64 {
-        self.strength
+    fn strength(&self, bond: usize, _lane: usize) -> f64 {
+        self.strengths.get(bond).copied().unwrap_or(self.strength)
     }
 
     fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {

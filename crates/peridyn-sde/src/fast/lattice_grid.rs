@@ -3,10 +3,10 @@
 use super::LaneBits;
 use super::lattice_rows::{Band, Components};
 use super::stencil::{Sites, Stencil};
-use crate::bonds::Bonds;
-use crate::broken_bond::{BrokenBond, Cause};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
+use crate::breaking::broken_bond::{BrokenBond, Cause};
 use crate::error::{Error, same_length};
-use crate::nodes::Nodes;
 use crate::real::Real;
 
 /// What all bodies on a lattice read.

@@ -24,6 +24,8 @@ pub(super) struct Band<T, const D: usize> {
     pub(super) forces: Components<T, D>,
     /// Bits of intact bonds, by row, group of sites and vector.
     pub(super) intact: Vec<LaneBits>,
+    /// The limit of each of these bits; empty where all bonds have one.
+    pub(super) limits: Vec<T>,
     /// Site and vector of bonds found at their limit.
     pub(super) reached: Vec<(usize, usize)>,
 }
@@ -33,7 +35,7 @@ impl<T: Real, const D: usize> Band<T, D> {
         let intact = vec![0; rows.len() * sites.groups() * n_vectors];
         let of = sites.sites_of(&rows);
         let forces = Components::new(of.len());
-        Self { rows, first: of.start, forces, intact, reached: Vec::new() }
+        Self { rows, first: of.start, forces, intact, limits: Vec::new(), reached: Vec::new() }
     }
 
     /// Adds what another band pulls with at sites of this one.
@@ -53,7 +55,10 @@ pub(super) struct BandWork<'a, T, const D: usize, const LINEAR: bool> {
     pub(super) sites: &'a Sites<D>,
     pub(super) stencil: &'a Stencil<T, D>,
     pub(super) padded: &'a Components<T, D>,
+    /// Below that of every bond.
     pub(super) limit: T,
+    /// Whether bonds break at limits of their own, where the band has them.
+    pub(super) own: bool,
 }
 
 impl<T: Real, const D: usize, const LINEAR: bool> Work<T> for BandWork<'_, T, D, LINEAR> {
@@ -61,10 +66,11 @@ impl<T: Real, const D: usize, const LINEAR: bool> Work<T> for BandWork<'_, T, D,
 
     #[inline(always)]
     fn run<R: Registers<T>>(self, registers: R) {
-        let Self { band, sites, stencil, padded, limit } = self;
-        let Band { rows, first, forces, intact, reached } = band;
+        let Self { band, sites, stencil, padded, limit, own } = self;
+        let Band { rows, first, forces, intact, limits, reached } = band;
         let n_vectors = stencil.len();
         let of_row = sites.groups() * n_vectors;
+        let limits = if own { &limits[..] } else { &[] };
         let mut row = Row::<T, D> {
             vectors: &stencil.vectors,
             u: padded.all(),
@@ -76,11 +82,13 @@ impl<T: Real, const D: usize, const LINEAR: bool> Work<T> for BandWork<'_, T, D,
         for forces in &mut row.forces {
             forces.fill(T::ZERO);
         }
-        for (&start, intact) in sites.rows()[rows.clone()].iter().zip(intact.chunks_exact(of_row)) {
+        let each = sites.rows()[rows.clone()].iter().zip(intact.chunks_exact(of_row)).enumerate();
+        for (number, (&start, intact)) in each {
             // A row without nodes has no place.
             let words = intact.chunks_exact(n_vectors).filter(|_| start > 0);
             for (at, words) in (0..sites.width()).step_by(GROUP).zip(words) {
-                let group = (start + at, words);
+                let first = (number * of_row + at / GROUP * n_vectors) * GROUP;
+                let group = (start + at, words, limits.get(first..).unwrap_or(&[]));
                 // As a number that is known, so that loops over registers are unrolled; guards leave out what no group needs.
                 let most = GROUP / R::N;
                 match (sites.width() - at).min(GROUP).div_ceil(R::N) {
@@ -112,7 +120,7 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
     fn pull<R: Registers<T>, const LINEAR: bool, const N: usize>(
         &mut self,
         registers: R,
-        (group, words): (usize, &[LaneBits]),
+        (group, words, limits): (usize, &[LaneBits], &[T]),
     ) {
         let lanes = R::N;
         let limit = registers.splat(self.limit);
@@ -138,10 +146,15 @@ impl<T: Real, const D: usize> Row<'_, T, D> {
                     &eta,
                     word >> at,
                 );
-                let pull = separation.elongation.pull::<R, LINEAR>(registers, limit, |reached| {
-                    let lanes = (0..lanes).filter(|lane| reached & 1 << lane != 0);
-                    self.reached.extend(lanes.map(|lane| (group + at + lane, number)));
-                });
+                let own = || {
+                    let at = number * GROUP + at;
+                    if limits.is_empty() { limit } else { registers.load_at(limits, at) }
+                };
+                let pull =
+                    separation.elongation.pull::<R, LINEAR>(registers, limit, own, |reached| {
+                        let lanes = (0..lanes).filter(|lane| reached & 1 << lane != 0);
+                        self.reached.extend(lanes.map(|lane| (group + at + lane, number)));
+                    });
                 let tension = stiffness * pull;
                 for k in 0..D {
                     let force = tension * separation.direction[k];

@@ -1,7 +1,7 @@
 //! Whether a force evaluation looks for bonds at their strength.
 
-use crate::body::AtStrength;
-use crate::broken_bond::BrokenBond;
+use crate::bodies::body::AtStrength;
+use crate::breaking::broken_bond::BrokenBond;
 
 /// The relative squared elongation at which bonds count as at their strength.
 #[derive(Debug, Clone, Copy)]

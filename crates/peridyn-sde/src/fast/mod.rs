@@ -1,4 +1,7 @@
 //! Forces of bonds that break at a critical stretch, over wide registers.
+//!
+//! `bond_force` is the one text of a bond, pair or solid; lattices visit bonds along rows of nodes, lists one after the other. Nothing
+//! here knows time, noise or loads.
 
 mod bond_force;
 mod lattice;
@@ -6,26 +9,15 @@ mod lattice_body;
 mod lattice_grid;
 mod lattice_rows;
 mod limit;
-mod list;
-mod list_body;
-mod list_columns;
-mod list_crossing;
-mod list_lanes;
-mod list_rows;
+mod lists;
 mod realisations;
-mod solid_lanes;
-mod solid_lattice;
-mod solid_lattice_body;
-mod solid_list;
-mod solid_list_body;
-mod solid_list_rows;
-mod solid_rows;
+mod solids;
 mod stencil;
 
 pub use lattice::LatticeBody;
-pub use list::BondList;
-pub use solid_lattice::SolidLattice;
-pub use solid_list::SolidList;
+pub use lists::list::BondList;
+pub use solids::solid_lattice::SolidLattice;
+pub use solids::solid_list::SolidList;
 
 /// In which lanes a bond is intact: a bit for each of at most [`MOST_LANES`](simd_lanes::MOST_LANES).
 type LaneBits = u16;

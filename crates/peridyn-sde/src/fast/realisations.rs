@@ -9,8 +9,8 @@ use simd_lanes::Registers;
 
 use super::LaneBits;
 use super::bond_force::Separation;
-use crate::bonds::Bonds;
-use crate::nodes::Nodes;
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::real::Real;
 
 /// Bonds that are the same in `L` realisations, but for the lanes in which they are broken.

@@ -6,9 +6,9 @@ use std::ops::Range;
 use simd_lanes::MOST_LANES;
 
 use super::LaneBits;
-use crate::bonds::Bonds;
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::error::Error;
-use crate::nodes::Nodes;
 use crate::real::Real;
 
 /// Sites that share the words of bits.

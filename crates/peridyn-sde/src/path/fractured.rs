@@ -1,8 +1,8 @@
 //! A body with broken bonds: what a search for cracks reads.
 
-use crate::bonds::Bonds;
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
 use crate::error::Error;
-use crate::nodes::Nodes;
 
 /// A body with its bonds, intact and broken.
 #[derive(Debug, Clone, Copy)]

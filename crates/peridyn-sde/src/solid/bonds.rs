@@ -1,10 +1,10 @@
 //! Constants of the linear peridynamic solid, bond by bond and node by node.
 
-use crate::bond_config::BondConfig;
-use crate::bonds::{Bond, Bonds};
+use crate::bodies::bond_config::BondConfig;
+use crate::bodies::bonds::{Bond, Bonds};
+use crate::bodies::nodes::Nodes;
+use crate::bodies::surface::SurfaceCorrection;
 use crate::error::Error;
-use crate::nodes::Nodes;
-use crate::surface::SurfaceCorrection;
 
 use super::moduli::Moduli;
 use super::surface::{check, factors};

@@ -1,9 +1,9 @@
 //! Strengths of bonds of a linear peridynamic solid from the energy of a crack.
 
 use super::moduli::Moduli;
-use crate::elasticity::{Condition, Influence, across_plane, sphere};
 use crate::error::{Error, positive};
-use crate::horizon::Horizon;
+use crate::material::elasticity::{Condition, Influence, across_plane, sphere};
+use crate::material::horizon::Horizon;
 
 /// Intervals of the midpoint rule along each of three variables: its error is below 1e-3 of the part that it gives.
 const INTERVALS: u32 = 96;

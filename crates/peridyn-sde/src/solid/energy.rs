@@ -1,7 +1,7 @@
 //! The energy of a linear peridynamic solid, one bond after the other.
 
 use super::bonds::SolidBonds;
-use crate::body::Body;
+use crate::bodies::body::Body;
 use crate::real::Real;
 
 impl SolidBonds {

@@ -1,7 +1,7 @@
 //! Moduli of the linear peridynamic solid.
 
-use crate::elasticity::Condition;
 use crate::error::{Error, between, positive};
+use crate::material::elasticity::Condition;
 
 /// Moduli of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]

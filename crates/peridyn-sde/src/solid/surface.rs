@@ -1,10 +1,10 @@
 //! What bonds near a surface lack in a linear peridynamic solid.
 
 use super::moduli::Moduli;
-use crate::bonds::Bonds;
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
+use crate::bodies::surface::{direction, factors_of};
 use crate::error::Error;
-use crate::nodes::Nodes;
-use crate::surface::{direction, factors_of};
 
 /// The factors of bonds by which each node has the dilatation 1 under a unit strain along each axis.
 pub(super) fn factors<const D: usize>(

@@ -1,9 +1,9 @@
 //! The step BAOAB of inertial dynamics.
 
-use crate::body::Body;
+use crate::bodies::body::Body;
+use crate::dynamics::kicks::Which;
+use crate::dynamics::motion::Motion;
 use crate::error::Error;
-use crate::kicks::Which;
-use crate::motion::Motion;
 use crate::real::Real;
 
 #[derive(Debug)]

@@ -1,11 +1,11 @@
 //! Euler and Maruyama's step, and Leimkuhler and Matthews'.
 
-use crate::body::Body;
+use crate::bodies::body::Body;
+use crate::dynamics::kicks::{CHUNK, Which};
+use crate::dynamics::motion::Motion;
+use crate::dynamics::resistance::Resistance;
 use crate::error::Error;
-use crate::kicks::{CHUNK, Which};
-use crate::motion::Motion;
 use crate::real::Real;
-use crate::resistance::Resistance;
 
 #[derive(Debug)]
 pub(crate) struct Euler<T> {

@@ -1,8 +1,8 @@
 //! Heun's step.
 
-use crate::body::Body;
+use crate::bodies::body::Body;
+use crate::dynamics::motion::Motion;
 use crate::error::Error;
-use crate::motion::Motion;
 use crate::real::Real;
 
 #[derive(Debug)]

@@ -6,11 +6,11 @@ mod euler;
 mod heun;
 mod theta;
 
-use crate::body::Body;
+use crate::bodies::body::Body;
+use crate::dynamics::motion::Motion;
+use crate::dynamics::scheme::{Dynamics, Scheme};
 use crate::error::Error;
-use crate::motion::Motion;
 use crate::real::Real;
-use crate::scheme::{Dynamics, Scheme};
 use baoab::Baoab;
 use euler::Euler;
 use heun::Heun;

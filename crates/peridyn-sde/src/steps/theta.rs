@@ -1,10 +1,10 @@
 //! The linearly implicit step.
 
 use super::conjugate_gradients::ConjugateGradients;
-use crate::body::Body;
+use crate::bodies::body::Body;
+use crate::dynamics::kicks::Which;
+use crate::dynamics::motion::Motion;
 use crate::error::Error;
-use crate::kicks::Which;
-use crate::motion::Motion;
 use crate::real::Real;
 
 #[derive(Debug)]

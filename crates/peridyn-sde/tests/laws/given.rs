@@ -1,10 +1,10 @@
 //! Strength and stiffness that are given at the nodes.
 
 use peridyn_sde::{
-    BondConfig, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy, DisorderField,
-    Dynamics, Error, FinalState, Horizon, Influence, Loading, Mobility, Nodes, Notch, PathConfig,
-    Procedure, Program, Scheme, SimulationConfig, Stiffness, Strain, Strength, StudyLaw,
-    SurfaceCorrection, VolumeCorrection,
+    BondConfig, BondOrder, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
+    DisorderField, Dynamics, Error, FinalState, Horizon, Influence, Loading, Mobility, Nodes,
+    Notch, PathConfig, Procedure, Program, Scheme, SimulationConfig, Stiffness, Strain, Strength,
+    StudyLaw, SurfaceCorrection, VolumeCorrection,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
@@ -92,6 +92,7 @@ impl Plate {
             nodes: &self.nodes,
             bonds: &self.bonds,
             law: StudyLaw::BondBased,
+            order: BondOrder::List,
             strain: Strain::Finite,
             strength,
             stiffness,
@@ -122,6 +123,34 @@ impl Plate {
         field.sample(&Noise::new(SEED), REALISATION, &mut values).unwrap();
         (field, values)
     }
+}
+
+#[test]
+fn a_study_on_a_lattice_has_the_cracks_of_one_in_a_list() {
+    let plate = Plate::lattice();
+    let (strength, _) = plate.field(STRETCH, 0);
+    let strength = Strength::Field { field: &strength, value: BondValue::Mean };
+    let in_list = CrackStudy { no_fail: &[0, 1], ..plate.study(strength, Stiffness::Uniform) };
+    let on_lattice = CrackStudy { order: BondOrder::Lattice, ..in_list };
+    let list = in_list.run::<f64, 8>(0..3, &[1]).unwrap();
+    let lattice = on_lattice.run::<f64, 8>(0..3, &[1]).unwrap();
+    assert_eq!(lattice.broken, list.broken);
+    assert!(list.broken.iter().all(|&broken| broken > 20), "{:?}", list.broken);
+    // Bonds that break in one step come in the order in which they are visited.
+    let sorted = |run: &CrackRun| {
+        let mut history: Vec<_> = run.kept[0].history.iter().map(|at| (at.step, at.bond)).collect();
+        history.sort_unstable();
+        history
+    };
+    assert_eq!(sorted(&lattice), sorted(&list));
+    for (a, b) in lattice.loads.iter().flatten().zip(list.loads.iter().flatten()) {
+        // Roundoff of 400 steps.
+        assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
+    }
+    let (stiffness, _) = plate.field(1.0, 1);
+    let stiffness = Stiffness::Field { field: &stiffness, value: BondValue::Mean };
+    let refused = CrackStudy { stiffness, ..on_lattice }.run::<f64, 8>(0..1, &[]);
+    assert_eq!(refused.unwrap_err(), Error::UniformStiffness { law: "a lattice" });
 }
 
 #[test]

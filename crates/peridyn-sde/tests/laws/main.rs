@@ -13,7 +13,6 @@ mod fast_paths;
 mod forces;
 mod given;
 mod halted;
-mod inference;
 mod mobility;
 mod paths;
 mod quasi_static;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use peridyn_sde::inference::{Observations, Summaries};
-use peridyn_sde::statistics::CrackRecord;
-use peridyn_sde::{CrackPath, Error};
+use crack_inference::{Absent, Observations, Summaries};
+use peridyn_sde::CrackPath;
+use peridyn_sde::statistics::{CrackRecord, SummaryConfig};
 use sde_integrators::Accumulator;
 
 use super::scene::{InferenceScene, LoadScene};
@@ -142,7 +142,7 @@ impl Measured {
     ///
     /// # Errors
     /// None that can occur: the paths were checked when they were read.
-    pub fn records(&self) -> Result<Vec<CrackRecord>, Error> {
+    pub fn records(&self) -> Result<Vec<CrackRecord>, peridyn_sde::Error> {
         let record = |(number, plate): (u64, &MeasuredPlate)| {
             let path = match plate.path.as_slice() {
                 [] => None,
@@ -158,15 +158,35 @@ impl Measured {
     /// # Errors
     /// An [`Objection`] where no plate has them.
     pub fn summaries(&self, scene: &InferenceScene) -> Result<Summaries, Objection> {
-        let records = self.records();
-        let config = scene.summary_config();
-        records
-            .and_then(|records| config.of_records(&records, &vec![Vec::new(); records.len()]))
-            .map_err(|error| {
-                let message = format!("no plate has a crack at all abscissae: {error}");
-                Objection::new("summaries.abscissae", message)
-            })
+        let records = self.records().map_err(SummaryError::from);
+        records.and_then(|records| summaries(&scene.summary_config(), &records)).map_err(|error| {
+            let message = format!("no plate has a crack at all abscissae: {error}");
+            Objection::new("summaries.abscissae", message)
+        })
     }
+}
+
+/// Why cracks have no summaries.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum SummaryError {
+    /// A number of a crack or of a load.
+    Crack(#[from] peridyn_sde::Error),
+    /// The rows that they make.
+    Rows(#[from] crack_inference::Error),
+}
+
+/// The summaries of cracks that have all of them.
+///
+/// # Errors
+/// For a load that is not positive, and where no crack has them.
+pub fn summaries(
+    config: &SummaryConfig,
+    records: &[CrackRecord],
+) -> Result<Summaries, SummaryError> {
+    let found = config.of_records(records)?;
+    let absent = Absent { failed: found.failed, short: found.short, no_load: found.no_load };
+    Ok(Summaries::new(&found.rows, absent)?)
 }
 
 /// Standard deviations of the errors of measurement, one for each summary.
@@ -189,7 +209,10 @@ pub fn errors(scene: &InferenceScene, plates: &Summaries) -> Vec<f64> {
 ///
 /// # Errors
 /// None that can occur: the errors were checked with the scene.
-pub fn observations(plates: &Summaries, errors: &[f64]) -> Result<Observations, Error> {
+pub fn observations(
+    plates: &Summaries,
+    errors: &[f64],
+) -> Result<Observations, crack_inference::Error> {
     Observations::new(plates, &errors.iter().map(|error| error * error).collect::<Vec<_>>())
 }
 

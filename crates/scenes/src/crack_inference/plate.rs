@@ -99,6 +99,9 @@ impl PlateModel {
         let mut scene = scene
             .map_err(|wrong| Objection::new(wrong.path().to_string(), wrong.inner().to_string()))?;
         scene.ensemble.seed = seed;
+        // Ensembles are as large as a register holds, whatever the plate alone would run.
+        let lanes = scene.ensemble.precision.n_lanes();
+        scene.ensemble.realisations = scene.ensemble.realisations.max(lanes);
         scene.check()?;
         let problem = CrackProblem::new(&scene, self.cloud.clone())?;
         Ok(PlateAt { scene, problem })

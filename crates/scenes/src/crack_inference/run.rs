@@ -12,9 +12,9 @@ mod posterior_record;
 mod predictive;
 mod record;
 
-use peridyn_sde::Error;
-use peridyn_sde::inference::{
-    Emulator, EmulatorMixture, Observations, ParameterSpace, Posterior, SamplerConfig, Summaries,
+use crack_inference::{
+    Emulator, EmulatorMixture, Error, Observations, ParameterSpace, Posterior, SamplerConfig,
+    Summaries,
 };
 use sde_integrators::Noise;
 
@@ -24,7 +24,7 @@ use self::predictive::Predicted;
 use self::record::{
     Content, EmulatorRecord, MeasuredRecord, PredictiveRecord, SamplerRecord, WorkRecord,
 };
-use super::measured::{Measured, errors, observations};
+use super::measured::{Measured, SummaryError, errors, observations, summaries};
 use super::plate::{PlateError, PlateModel};
 use super::scene::{DesignScene, InferenceScene, LoadScene};
 use crate::clock::CpuClock;
@@ -77,11 +77,23 @@ const PREDICTION: u64 = 3;
 #[error("the ensemble at {point} cannot be used")]
 struct Unusable {
     point: String,
-    source: Error,
+    source: SummaryError,
 }
 
-fn unusable(point: String, source: Error) -> RunError {
+fn unusable(point: String, source: SummaryError) -> RunError {
     RunError::solver(Unusable { point, source })
+}
+
+impl From<Error> for RunError {
+    fn from(error: Error) -> Self {
+        Self::solver(error)
+    }
+}
+
+impl From<SummaryError> for RunError {
+    fn from(error: SummaryError) -> Self {
+        Self::solver(error)
+    }
 }
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
@@ -208,7 +220,7 @@ impl Study<'_> {
         let emulator = Emulator::new(self.space, &points, &summaries);
         let emulator = emulator.map_err(|error| match error {
             Error::Ensemble { ensemble, reason } => {
-                unusable(plate.words(&points[ensemble]), *reason)
+                unusable(plate.words(&points[ensemble]), (*reason).into())
             }
             other => other.into(),
         })?;
@@ -250,12 +262,11 @@ impl Study<'_> {
     /// Summaries of the ensembles of the design.
     fn summaries(&self, plate: &PlateModel, of: &[Ended]) -> Result<Vec<Summaries>, RunError> {
         let config = self.scene.summary_config();
-        let summaries = |ended: &Ended| {
-            let no_loads = vec![Vec::new(); ended.records.len()];
-            let summaries = config.of_records(&ended.records, &no_loads);
-            summaries.map_err(|source| unusable(plate.words(&ended.point), source))
+        let of_ensemble = |ended: &Ended| {
+            summaries(&config, &ended.records)
+                .map_err(|source| unusable(plate.words(&ended.point), source))
         };
-        of.iter().map(summaries).collect()
+        of.iter().map(of_ensemble).collect()
     }
 
     fn seed(&self, purpose: u64) -> u64 {

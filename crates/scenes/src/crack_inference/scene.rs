@@ -1,9 +1,7 @@
 //! An inference scene as written in its JSON file: parameters of a crack scene from cracks that were measured.
 
-use peridyn_sde::Error;
-use peridyn_sde::inference::{
-    LoadSummary, Parameter, ParameterSpace, Prior, SamplerConfig, Scale, SummaryConfig,
-};
+use crack_inference::{Error, Parameter, ParameterSpace, Prior, SamplerConfig, Scale};
+use peridyn_sde::statistics::{LoadSummary, SummaryConfig};
 use schemars::JsonSchema;
 use sde_integrators::Noise;
 use serde::{Deserialize, Serialize};

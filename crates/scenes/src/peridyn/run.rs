@@ -43,6 +43,9 @@ const ENDED: &str = "realisations";
 /// Name of those after them, halted before their end.
 const HALTED: &str = "halted realisations";
 
+/// Name of how their forces are computed.
+const FORCES: &str = "forces";
+
 /// Keys that do not affect single realisations: their number, and the output.
 const ASIDE: [&str; 3] = ["/title", "/ensemble/realisations", "/output/abscissae"];
 
@@ -59,6 +62,17 @@ struct OthersKept {
     first: u64,
     asked: u64,
     start: u64,
+}
+
+/// The realisations of a checkpoint were computed in another order of sums than those asked for.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "the checkpoint holds realisations whose forces were computed by `{found}`, and so many realisations take `{asked}`: use \
+     another folder"
+)]
+struct OtherForces {
+    found: String,
+    asked: &'static str,
 }
 
 /// More shards than realisations.
@@ -128,7 +142,7 @@ fn on_ranks(
     run: &Run<'_>,
 ) -> Result<Option<Vec<Ended>>, RunError> {
     let EnsembleScene { realisations: n, .. } = inputs.scene.ensemble;
-    let blocks = Cut { n, unit: inputs.scene.n_side_by_side() };
+    let blocks = Cut { n, unit: problem.n_side_by_side(inputs.scene) };
     let compute = |block: u64| {
         let clock = CpuClock::start();
         let ended = problem.run(inputs.scene, blocks.range(block))?;
@@ -150,6 +164,11 @@ fn realisations(
     let asked = range.end - range.start;
     if asked == 0 {
         return Err(RunError::solver(TooManyShards { realisations: scene.ensemble.realisations }));
+    }
+    let forces = problem.resolved.forces;
+    match checkpoint.part::<String>(FORCES)?.filter(|found| found != forces) {
+        Some(found) => return Err(RunError::solver(OtherForces { found, asked: forces })),
+        None => checkpoint.put(FORCES, &forces)?,
     }
     run.progress.stage(&format!("{asked} realisations"));
     let (past, past_seconds) = checkpoint.part::<Ended>(ENDED)?.unzip();

@@ -2,9 +2,9 @@
 
 use peridyn_sde::law::Bilinear;
 use peridyn_sde::{
-    BondConfig, BondValue, Bonds, Condition, DisorderField, Error, Horizon, Nodes, SolidBonds,
-    Stiffness, Strain, Strength, StudyLaw, WeibullStrength, critical_stretch,
-    critical_stretch_of_solid,
+    BondConfig, BondOrder, BondValue, Bonds, Breaking, Condition, DisorderField, Error, Horizon,
+    LatticeBody, Nodes, SolidBonds, SolidLattice, Stiffness, Strain, Strength, StudyLaw,
+    WeibullStrength, critical_stretch, critical_stretch_of_solid,
 };
 use random_fields::{Correlation, GaussianField};
 
@@ -169,6 +169,35 @@ impl Plate {
             }
         }
     }
+}
+
+/// How the bonds of a plate are visited: along the rows of a lattice where the plate allows it and that is faster.
+///
+/// Side by side in a register a list is as fast, so that realisations in time, of which as many as that are asked for, take it. The
+/// bridge test is made for lists.
+pub(super) fn order(
+    scene: &CrackScene,
+    plate: &Plate,
+    (strength, stiffness, protected): (&Variation, &Variation, &[usize]),
+) -> BondOrder {
+    let fills_registers = scene.ensemble.realisations >= scene.ensemble.precision.n_lanes();
+    let has_bridge =
+        scene.time.as_ref().is_some_and(|time| Breaking::from(time.breaking) == Breaking::Bridge);
+    if !scene.is_quasi_static() && (fills_registers || has_bridge) {
+        return BondOrder::List;
+    }
+    let (nodes, strain, stretch) = (plate.nodes.clone(), plate.strain, plate.stretch);
+    let is_lattice = match (&plate.law, stiffness) {
+        (PlateLaw::BondBased, Variation::Uniform) => {
+            LatticeBody::<f64, 2>::new(nodes, plate.bonds.clone(), strain, stretch).is_ok()
+        }
+        (PlateLaw::LinearSolid(solid), Variation::Uniform) => {
+            let is_uniform = matches!(strength, Variation::Uniform) && protected.is_empty();
+            is_uniform && SolidLattice::<f64, 2>::new(nodes, solid.clone(), strain, stretch).is_ok()
+        }
+        _ => false,
+    };
+    if is_lattice { BondOrder::Lattice } else { BondOrder::List }
 }
 
 /// An objection of the solver to the value of a key.

@@ -1,13 +1,15 @@
 //! Conversion of a crack scene to the inputs of the solver.
 
-use peridyn_sde::{Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Procedure, Strain};
+use peridyn_sde::{
+    BondOrder, Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Procedure, Strain,
+};
 use serde::Serialize;
 
 use super::held::{Held, LoadEnd, rate};
 use super::points::Cloud;
 use super::procedure::{Motion, SceneProcedure};
 use super::scene::CrackScene;
-use super::scene_plate::{Plate, PlateLaw, Variation};
+use super::scene_plate::{Plate, PlateLaw, Variation, order};
 use crate::scene::{NamedFile, Objection};
 
 /// All objects that a study borrows.
@@ -16,6 +18,7 @@ pub struct CrackProblem {
     nodes: Nodes<2>,
     bonds: Bonds,
     law: PlateLaw,
+    order: BondOrder,
     strain: Strain,
     strength: Variation,
     stiffness: Variation,
@@ -41,6 +44,9 @@ pub struct Resolved {
     pub bonds: usize,
     /// Number of bonds that the notch cuts.
     pub cut_bonds: usize,
+    /// How forces are computed: `lattice` along rows of nodes, `list` bond by bond, `network` for bonds that soften. Their results
+    /// are the same within roundoff.
+    pub forces: &'static str,
     /// Horizon (m).
     pub horizon: f64,
     /// `s0`; for a random field its mean.
@@ -89,10 +95,16 @@ impl CrackProblem {
         let notch = Notch { mouth: scene.notch.mouth, tip: scene.notch.tip };
         let temperature = motion.map_or(0.0, |it| it.simulation.dynamics.temperature());
         let of_ratio_one = motion.filter(|_| temperature > 0.0).map(|it| it.of_ratio_one);
+        let order = order(scene, &plate, (&strength, &stiffness, &held.protected));
         let resolved = Resolved {
             nodes: plate.nodes.positions().len(),
             bonds: plate.bonds.len(),
             cut_bonds: plate.cut_bonds,
+            forces: match (&plate.law, order) {
+                (PlateLaw::Softening(_), _) => "network",
+                (_, BondOrder::Lattice) => "lattice",
+                (_, BondOrder::List) => "list",
+            },
             horizon: plate.horizon,
             critical_stretch: plate.stretch,
             dt: motion.map(|it| it.simulation.dt),
@@ -111,6 +123,7 @@ impl CrackProblem {
             nodes,
             bonds,
             law,
+            order,
             strain,
             strength,
             stiffness,
@@ -131,6 +144,15 @@ impl CrackProblem {
         &self.nodes
     }
 
+    /// Realisations that run side by side.
+    #[must_use]
+    pub const fn n_side_by_side(&self, scene: &CrackScene) -> u64 {
+        match self.order {
+            BondOrder::Lattice => 1,
+            BondOrder::List => scene.n_side_by_side(),
+        }
+    }
+
     /// The study of a scene.
     #[must_use]
     pub fn study(&self, scene: &CrackScene) -> CrackStudy<'_> {
@@ -138,6 +160,7 @@ impl CrackProblem {
             nodes: &self.nodes,
             bonds: &self.bonds,
             law: self.law.of_study(),
+            order: self.order,
             strain: self.strain,
             strength: self.strength.strength(self.resolved.critical_stretch),
             stiffness: self.stiffness.stiffness(),

@@ -51,7 +51,7 @@ impl CrackProblem {
         mut look: impl FnMut(&CracksSoFar) -> Result<(), E>,
     ) -> Result<CrackRun, E> {
         let (study, n) = (self.study(scene), (range.end - range.start) as f64);
-        let each = scene.n_side_by_side() * rayon::current_num_threads() as u64;
+        let each = self.n_side_by_side(scene) * rayon::current_num_threads() as u64;
         let mut so_far = past;
         if so_far.n_ended() > 0 {
             look(&so_far)?;

@@ -1,9 +1,9 @@
 //! From frequencies of waves back to the horizon and Young's modulus.
 
-use peridyn_sde::VolumeCorrection;
-use peridyn_sde::inference::{
+use crack_inference::{
     Parameter, ParameterPosterior, ParameterSpace, Posterior, Prior, SamplerConfig, Scale,
 };
+use peridyn_sde::VolumeCorrection;
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{Noise, Purpose};
 

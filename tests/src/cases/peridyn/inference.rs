@@ -1,10 +1,12 @@
 //! From cracks back to strength, correlation length and `kT`: do posterior intervals hold the truth?
 
-use peridyn_sde::inference::{
-    Emulator, EmulatorMixture, LoadSummary, Observations, Parameter, ParameterPosterior,
-    ParameterSpace, Posterior, Prior, SamplerConfig, Scale, Summaries, SummaryConfig, Verdict,
+use crack_inference::{
+    Emulator, EmulatorMixture, Observations, Parameter, ParameterPosterior, ParameterSpace,
+    Posterior, Prior, SamplerConfig, Scale, Summaries, Verdict,
 };
+use peridyn_sde::statistics::{LoadSummary, SummaryConfig};
 use result_figures::Measured;
+use scenes::crack_inference::measured::summaries;
 use sde_integrators::{Estimate, Noise, Purpose};
 use work_precision::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 
@@ -145,14 +147,15 @@ fn inferred(
     truths: &[Truth],
 ) -> Result<Inferred, CaseError> {
     let config = data.summaries();
-    let summaries: Result<Vec<Summaries>, _> =
-        simulated.runs.iter().map(|run| config.of_run(run)).collect();
-    let emulator = Emulator::new(&simulated.space, &simulated.points, &summaries?)?;
+    let of_runs: Result<Vec<Summaries>, _> =
+        simulated.runs.iter().map(|run| summaries(&config, &run.records)).collect();
+    let emulator = Emulator::new(&simulated.space, &simulated.points, &of_runs?)?;
     let mixture = EmulatorMixture::new(&emulator, MIXTURE, &Noise::new(SEED))?;
     let (mut posteriors, mut likelihoods) = (Vec::new(), Vec::new());
     for (number, truth) in truths.iter().enumerate() {
         context.progress(&format!("posterior {} of {DATA_SETS}", number + 1));
-        let observed = Observations::new(&config.of_run(&truth.run)?, &data.variances())?;
+        let observed =
+            Observations::new(&summaries(&config, &truth.run.records)?, &data.variances())?;
         let sampler = SamplerConfig { n_draws: DRAWS, ..SamplerConfig::new(Noise::new(SEED + 2)) };
         let posterior = Posterior::sample(
             &simulated.space,

@@ -19,7 +19,7 @@ pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/two-notches",
     title: "A symmetric plate with two notches, pulled slowly: with noise each crack is as likely to win",
     source: "symmetry: exactly 1/2 with noise, equal cracks without",
-    cost: Profile::Default,
+    cost: Profile::Full,
     schedule: Schedule::Together,
     run,
 };

@@ -1,6 +1,6 @@
 //! Posteriors of the parameters in a result file: errors, marginal distributions, correlations.
 
-use peridyn_sde::inference::{
+use crack_inference::{
     Emulator, Observations, POSTERIOR_QUANTILES, Parameter, ParameterPosterior, ParameterSpace,
     Posterior, Prior, Scale, Verdict,
 };

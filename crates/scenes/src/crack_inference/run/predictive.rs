@@ -1,12 +1,12 @@
 //! Posterior prediction: plates at draws of the posterior beside those that were measured.
 
-use peridyn_sde::CrackPath;
-use peridyn_sde::Error;
-use peridyn_sde::inference::{Summaries, SummaryConfig};
-use peridyn_sde::statistics::CrackRecord;
+use crack_inference::Summaries;
+use peridyn_sde::statistics::{CrackRecord, SummaryConfig};
+use peridyn_sde::{CrackPath, Error};
 use sde_integrators::{Estimate, Noise, Purpose, Uncertainty};
 
 use super::ensembles::Ended;
+use crate::crack_inference::measured::{SummaryError, summaries};
 
 /// Probabilities of the ends of a band and of its middle.
 pub(super) const BAND: [f64; 3] = [0.05, 0.5, 0.95];
@@ -45,13 +45,12 @@ pub(super) struct Predicted<'a> {
 
 impl Predicted<'_> {
     /// Each summary of the measured plates beside its predicted band.
-    pub(super) fn compare(&self, measured: &Summaries) -> Result<Vec<Compared>, Error> {
+    pub(super) fn compare(&self, measured: &Summaries) -> Result<Vec<Compared>, SummaryError> {
         let k = measured.n_summaries();
         // By summary, draw and realisation.
         let mut values = vec![Vec::new(); k];
         for ended in self.ensembles {
-            let no_loads = vec![Vec::new(); ended.records.len()];
-            let rows = self.summaries.of_records(&ended.records, &no_loads)?;
+            let rows = summaries(self.summaries, &ended.records)?;
             let mut of_draw = vec![Vec::new(); k];
             // A stream for each row, by the number of the first realisation of its draw.
             let first = ended.records.first().map_or(0, |record| record.realisation);

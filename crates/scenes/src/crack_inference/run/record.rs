@@ -1,8 +1,6 @@
 //! Result file of an inference: schema `crack-inference/1`.
 
-use peridyn_sde::inference::{
-    Component, ComponentFit, Emulator, Observations, Posterior, Summaries,
-};
+use crack_inference::{Component, ComponentFit, Emulator, Observations, Posterior, Summaries};
 use sde_integrators::Estimate;
 use serde::Serialize;
 

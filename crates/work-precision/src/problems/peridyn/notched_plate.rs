@@ -5,7 +5,7 @@
 
 use peridyn_sde::statistics::CrackEnsemble;
 use peridyn_sde::{
-    BondConfig, BondList, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
+    BondConfig, BondList, BondOrder, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
     DisorderField, Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Notch,
     PathConfig, Procedure, Program, Real, Scheme, Simulation, SimulationConfig, Stiffness, Strain,
     Strength, StrengthElement, StudyLaw, SurfaceCorrection, VolumeCorrection, WeibullByVolume,
@@ -199,6 +199,7 @@ impl NotchedPlate {
             nodes: &ready.nodes,
             bonds: &ready.bonds,
             law: StudyLaw::BondBased,
+            order: BondOrder::List,
             strain: Strain::Finite,
             strength: match (&strengths, &weibull) {
                 (Some(field), _) => Strength::Field { field, value: BondValue::Mean },

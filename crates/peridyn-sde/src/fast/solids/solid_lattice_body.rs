@@ -1,0 +1,69 @@
+//! A linear peridynamic solid on a lattice as a body: its passes over all bonds are those that are compiled with this crate.
+
+use super::solid_lattice::SolidLattice;
+use crate::bodies::body::{AtStrength, Body};
+use crate::bodies::bonds::Bonds;
+use crate::bodies::nodes::Nodes;
+use crate::compiled::solids;
+use crate::error::Error;
+use crate::material::strain::Strain;
+use crate::real::Real;
+use crate::solid::SolidBonds;
+
+impl<T: Real, const D: usize> SolidLattice<T, D> {
+    /// An undamaged body whose bonds break at one strength (a stretch).
+    ///
+    /// # Errors
+    /// [`Error::Length`] where nodes and bonds are not of one body; [`Error::NotPositive`] for the strength;
+    /// [`Error::NotLattice`] for a node off the lattice, or bonds of one vector and different stiffness, as by unequal volumes or a
+    /// surface correction.
+    pub fn new(
+        nodes: Nodes<D>,
+        solid: SolidBonds,
+        strain: Strain,
+        strength: f64,
+    ) -> Result<Self, Error> {
+        (solids().new)(nodes, solid, strain, strength)
+    }
+}
+
+impl<T: Real, const D: usize> Body<T, D, 1> for SolidLattice<T, D> {
+    fn nodes(&self) -> &Nodes<D> {
+        &self.nodes
+    }
+
+    fn bonds(&self) -> &Bonds {
+        self.solid.bonds()
+    }
+
+    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) -> Result<(), Error> {
+        (solids().pull)(self, self.strain, u, forces, at)
+    }
+
+    fn intact(&self, bond: usize) -> u16 {
+        let (band, word, bit) = self.bit(self.bonds().ends(bond));
+        u16::from(self.bands[band].band.intact[word] & bit != 0)
+    }
+
+    fn set_intact(&mut self, bond: usize, lanes: u16) {
+        let (band, word, bit) = self.bit(self.bonds().ends(bond));
+        let word = &mut self.bands[band].band.intact[word];
+        *word = if lanes & 1 != 0 { *word | bit } else { *word & !bit };
+    }
+
+    fn strain(&self) -> Strain {
+        self.strain
+    }
+
+    fn strength(&self, _bond: usize, _lane: usize) -> f64 {
+        self.strength
+    }
+
+    fn energy(&self, u: &[T], lane: usize) -> f64 {
+        self.solid.energies(self, u, lane).iter().sum()
+    }
+
+    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
+        (solids().pull)(self, Strain::Linear, v, forces, AtStrength::Hold)
+    }
+}

@@ -4,7 +4,6 @@
 //! scene names its kind by the top-level key `solver`, which its type declares too.
 
 mod blocks;
-mod blocks_left;
 mod folder_lock;
 mod inputs;
 mod kind_run;
@@ -25,16 +24,11 @@ use schemars::Schema;
 use serde_json::Value;
 
 pub use self::blocks::{BlockRecord, Cut, JobRecord};
-pub use self::blocks_left::BlocksLeft;
 pub use self::inputs::Inputs;
 use self::kind_run::Results;
 pub use self::kind_run::Run;
 pub use self::options::Options;
-#[cfg(feature = "smpm")]
-pub(crate) use self::pace::Limit;
-#[cfg(any(feature = "smpm", feature = "peridyn"))]
-pub(crate) use self::pace::Pace;
-pub use self::pace::TooLong;
+pub use self::pace::{Limit, Pace, TooLong};
 pub use self::part::{Part, Place};
 pub use self::progress::Progress;
 pub use self::run_error::{RunError, SolverError};
@@ -209,7 +203,7 @@ mod tests {
     use serde::Deserialize;
 
     use super::*;
-    use crate::answers::{Answer, AnswerValue, Number, Statistic};
+    use crate::answers::{Answer, AnswerValue, Number, Role, Statistic};
     use crate::report::Report;
     use crate::result_file::ResultFile;
     use crate::scene::{Scene, WrongKey, read_keys};
@@ -250,6 +244,7 @@ mod tests {
             let number = Number::sampled((-scene.rate).exp(), None);
             let last = AnswerValue::of(number);
             let answer = Answer::new("final".into(), "final".into(), Statistic::Mean, last);
+            let answer = Answer { role: Role::Headline, ..answer };
             let answers = Answers { cpu_seconds: 0.0, list: vec![answer] };
             Completed::here(run, answers, || {
                 let result = ResultFile::new("decay/1", &file.keys(), &number)?;

@@ -33,14 +33,13 @@ pub mod schema;
 #[cfg(feature = "smpm")]
 pub mod smpm;
 mod solve;
-#[cfg(any(feature = "fpk", feature = "smpm", feature = "peridyn"))]
-mod sources;
+pub mod sources;
 
 pub use self::answers::{Answer, Answers};
 pub use self::built_in::ALL;
 pub use self::kind::{
-    BlockRecord, BlocksLeft, Cut, Finished, Found, Inputs, JobRecord, Options, Part, Place,
-    Progress, Run, RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
+    BlockRecord, Cut, Finished, Found, Inputs, JobRecord, Options, Part, Place, Progress, Run,
+    RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
 };
 pub use self::scene::SceneFile;
 pub use self::solve::solve;

@@ -1,10 +1,6 @@
 //! What the page of a run shows beside its answers: notes, charts, tables, facts, sources.
 //!
 //! A solver makes it from what its run holds in memory. This module knows no solver.
-#![cfg_attr(
-    not(all(feature = "fpk", feature = "smpm", feature = "peridyn")),
-    allow(dead_code, reason = "each solver uses a part of it")
-)]
 
 use result_figures::number::short;
 use result_pages::{Cell, Chart, Fact, Note, Series, Source, Table};
@@ -37,12 +33,12 @@ const MOST_ROWS: usize = 400;
 
 impl Report {
     /// Adds a fact.
-    pub(crate) fn fact(&mut self, name: &str, text: impl Into<String>) {
+    pub fn fact(&mut self, name: &str, text: impl Into<String>) {
         self.facts.push(Fact { name: name.to_owned(), text: text.into() });
     }
 
     /// Adds the counts of a record as facts, `path_steps` as "path steps"; a count that is not known is left out.
-    pub(crate) fn counts(&mut self, work: &impl Serialize) {
+    pub fn counts(&mut self, work: &impl Serialize) {
         let work = serde_json::to_value(work).unwrap_or_default();
         for (name, value) in work.as_object().into_iter().flatten() {
             let Some(number) = value.as_f64() else { continue };
@@ -60,30 +56,34 @@ impl Report {
     }
 
     /// Adds a table of values over time, of those at the last time alone if there are many.
-    pub(crate) fn table_over_time(&mut self, table: Table, last: Table) {
+    pub fn table_over_time(&mut self, table: Table, last: Table) {
         self.tables.push(if table.rows.len() <= MOST_ROWS { table } else { last });
     }
 }
 
 /// A linear chart of some lines.
-pub(crate) fn chart(title: String, [x_label, y_label]: [String; 2], series: Vec<Series>) -> Chart {
+#[must_use]
+pub fn chart(title: String, [x_label, y_label]: [String; 2], series: Vec<Series>) -> Chart {
     let (is_logarithmic, x_is_logarithmic, spread) = (false, false, String::new());
     Chart { title, x_label, y_label, is_logarithmic, x_is_logarithmic, spread, series }
 }
 
 /// A table without a description.
-pub(crate) fn table(title: &str, heads: &[&str], rows: Vec<Vec<Cell>>) -> Table {
+#[must_use]
+pub fn table(title: &str, heads: &[&str], rows: Vec<Vec<Cell>>) -> Table {
     let heads = heads.iter().map(|&head| head.to_owned()).collect();
     Table { title: title.to_owned(), about: String::new(), heads, rows }
 }
 
 /// Cells of a number: value and error.
-pub(crate) fn number_cells(number: &Number) -> [Cell; 2] {
+#[must_use]
+pub fn number_cells(number: &Number) -> [Cell; 2] {
     [cell(Some(number.value)), short_cell(number.error)]
 }
 
 /// A cell with six digits; empty for none.
-pub(crate) fn cell(value: Option<f64>) -> Cell {
+#[must_use]
+pub fn cell(value: Option<f64>) -> Cell {
     value.map_or_else(
         || Cell::text(""),
         |value| Cell::number(result_figures::number::long(value), value),
@@ -91,18 +91,20 @@ pub(crate) fn cell(value: Option<f64>) -> Cell {
 }
 
 /// A cell with a number that was given, all its digits.
-#[cfg(any(feature = "smpm", feature = "peridyn"))]
-pub(crate) fn given_cell(value: f64) -> Cell {
+#[must_use]
+pub fn given_cell(value: f64) -> Cell {
     Cell::number(result_figures::number::exact(value), value)
 }
 
 /// A cell with three digits; empty for none.
-pub(crate) fn short_cell(value: Option<f64>) -> Cell {
+#[must_use]
+pub fn short_cell(value: Option<f64>) -> Cell {
     value.map_or_else(|| Cell::text(""), |value| Cell::number(short(Some(value)), value))
 }
 
 /// A method of a scene in words: its name and its parameters.
-pub(crate) fn method_words(method: &impl Serialize) -> String {
+#[must_use]
+pub fn method_words(method: &impl Serialize) -> String {
     let method = serde_json::to_value(method).unwrap_or_default();
     match &method {
         Value::String(word) => word.replace('_', " "),

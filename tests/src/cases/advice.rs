@@ -69,7 +69,7 @@ fn tally(scene: &BuiltIn, tally: &mut Tally) -> Result<(), CaseError> {
         let truth = of(trials.clone())?;
         let advice = of(short_of(&trials, short))?;
         for quantity in 0..truth.judgements.len() {
-            judge_one(scene, (&truth, &advice), quantity, tally)?;
+            judge_one(scene, (&truth, &advice), quantity, tally);
         }
     }
     Ok(())
@@ -96,43 +96,42 @@ fn judge_one(
     (truth, advice): (&Advice, &Advice),
     quantity: usize,
     tally: &mut Tally,
-) -> Result<(), CaseError> {
+) {
     let known = &truth.judgements[quantity];
     let tolerance = truth.options.tolerance;
     let seen = |candidate: &&Candidate| candidate.needed.beyond <= 1.0;
     let candidates = truth.candidates(quantity);
-    let Some(cheapest) = candidates.iter().find(seen) else { return Ok(()) };
+    let Some(cheapest) = candidates.iter().find(seen) else { return };
     if known.error > 0.5 * tolerance * known.scale {
-        return Ok(());
+        return;
     }
     tally.given += 1;
     let place = advice.judgements.iter().position(|other| other.id == known.id);
     let given = place.filter(|&q| advice.is_known(q)).map(|q| advice.candidates(q));
     let Some(given) = given.as_ref().and_then(|all| all.first()) else {
         tally.silent += 1;
-        return Ok(());
+        return;
     };
     if given.needed.cost > HOPELESS * cheapest.needed.cost.max(LEAST_COST) {
         tally.too_dear += 1;
-        return Ok(());
+        return;
     }
     let ladder = &scene.ladder;
-    let Some(rung) = (ladder.methods[given.method].rung)(given.needed.size) else { return Ok(()) };
+    let Some(rung) = (ladder.methods[given.method].rung)(given.needed.size) else { return };
     let ran = try_scene(scene.kind, &scene.file, &rung.trial, None);
     let found = ran.answers().and_then(|it| Some((it.cpu_seconds, it.get(&known.id)?)));
     let error = found.map(|(_, found)| (found.last.number.value - known.value).abs() / known.scale);
     // What was sampled may be off by two standard errors and no more was promised.
     if error.is_none_or(|error| error > tolerance) {
         tally.too_rough += 1;
-        return Ok(());
+        return;
     }
     let cost = found.map_or(f64::INFINITY, |(cost, _)| cost);
     if cost.max(LEAST_COST) > FACTOR * cheapest.needed.cost.max(LEAST_COST) {
         tally.too_dear += 1;
-        return Ok(());
+        return;
     }
     tally.good += 1;
-    Ok(())
 }
 
 fn claim(context: &Context<'_>, solver: &str, tally: Tally) -> Claim {

@@ -36,7 +36,7 @@ impl Judgement {
 }
 
 /// Result of a trial for a quantity.
-struct Word<'t> {
+struct TrialValue<'t> {
     trial: usize,
     method: usize,
     size: f64,
@@ -46,7 +46,7 @@ struct Word<'t> {
     error: Option<f64>,
 }
 
-impl Word<'_> {
+impl TrialValue<'_> {
     const fn value(&self) -> f64 {
         self.answer.last.number.value
     }
@@ -100,11 +100,11 @@ fn may_be_best(ladder: &Ladder, method: usize) -> bool {
     method.growth != Growth::Samples || method.standing == Standing::Judge
 }
 
-fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<Word<'t>> {
+fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<TrialValue<'t>> {
     let word = |(place, trial): (usize, &'t Trial)| {
         let answers = trial.answers()?;
         let answer = answers.get(id)?;
-        Some(Word {
+        Some(TrialValue {
             trial: place,
             method: trial.method,
             size: trial.rung.size,
@@ -113,7 +113,7 @@ fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<Word<'t>> {
             error: answer.margin(),
         })
     };
-    let mut words: Vec<Word<'_>> = trials.iter().enumerate().filter_map(word).collect();
+    let mut words: Vec<TrialValue<'_>> = trials.iter().enumerate().filter_map(word).collect();
     words.sort_by(|a, b| a.size.total_cmp(&b.size));
     words
 }
@@ -123,7 +123,7 @@ fn words<'t>(trials: &'t [Trial], id: &str) -> Vec<Word<'t>> {
 /// Observed: 3 to 5 where a lattice begins to resolve a density, and 2 beyond.
 const FASTEST: f64 = 4.0;
 
-fn no_faster_than(words: &mut [Word<'_>], method: usize) {
+fn no_faster_than(words: &mut [TrialValue<'_>], method: usize) {
     let mut coarser: Option<(f64, f64)> = None;
     for word in words.iter_mut().filter(|word| word.method == method) {
         let Some(error) = &mut word.error else { continue };
@@ -136,7 +136,7 @@ fn no_faster_than(words: &mut [Word<'_>], method: usize) {
 }
 
 /// Raises errors on a lattice to their deviations from the largest ensembles of the judges.
-fn raise_by_judges(ladder: &Ladder, words: &mut [Word<'_>]) {
+fn raise_by_judges(ladder: &Ladder, words: &mut [TrialValue<'_>]) {
     let standing = |method: usize| ladder.methods[method].standing;
     let largest = |method: usize| {
         // Results are in the order of their sizes.

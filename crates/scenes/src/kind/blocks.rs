@@ -9,7 +9,6 @@ use mpi_ensembles::{BlockReport, Finished, Job, Ranks, Report, Store};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use super::blocks_left::BlocksLeft;
 use super::inputs::Inputs;
 use super::kind_run::Run;
 use super::run_error::RunError;
@@ -107,7 +106,7 @@ impl Files {
             Start::Anew if found.is_empty() => Ok(()),
             Start::Anew => {
                 let (folder, found) = (self.folder.clone(), found.len());
-                Err(BlocksLeft { folder, found }.into())
+                Err(RunError::BlocksLeft { folder, found })
             }
             Start::Overwrite => {
                 let remove = |path: PathBuf| {

@@ -43,12 +43,14 @@ impl Run<'_> {
     }
 
     /// The pace of a part of this run.
-    pub(crate) fn pace(&self, what: &'static str) -> Pace<'_> {
+    #[must_use]
+    pub fn pace(&self, what: &'static str) -> Pace<'_> {
         self.limit().pace(what)
     }
 
     /// What the parts of this run are held to.
-    pub(crate) fn limit(&self) -> Limit<'_> {
+    #[must_use]
+    pub fn limit(&self) -> Limit<'_> {
         Limit { longest: self.options.longest, progress: self.progress }
     }
 

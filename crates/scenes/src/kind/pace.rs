@@ -36,14 +36,14 @@ pub struct TooLong {
 
 /// What the parts of a run are held to, for all threads.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Limit<'a> {
+pub struct Limit<'a> {
     pub(super) longest: Option<Duration>,
     pub(super) progress: &'a Progress,
 }
 
 /// Pace of a part of a run. Its duration is estimated once, from what ten seconds have done.
 #[derive(Debug)]
-pub(crate) struct Pace<'a> {
+pub struct Pace<'a> {
     what: &'static str,
     limit: Limit<'a>,
     state: Mutex<State>,
@@ -60,7 +60,7 @@ enum State {
 
 impl<'a> Limit<'a> {
     /// The pace of a part.
-    pub(crate) const fn pace(self, what: &'static str) -> Pace<'a> {
+    pub const fn pace(self, what: &'static str) -> Pace<'a> {
         Pace { what, limit: self, state: Mutex::new(State::NotBegun) }
     }
 }
@@ -70,7 +70,7 @@ impl Pace<'_> {
     ///
     /// # Errors
     /// [`TooLong`], from then on always.
-    pub(crate) fn at(&self, done: f64) -> Result<(), TooLong> {
+    pub fn at(&self, done: f64) -> Result<(), TooLong> {
         self.at_time(done, Instant::now())
     }
 
@@ -78,8 +78,7 @@ impl Pace<'_> {
     ///
     /// # Errors
     /// [`TooLong`].
-    #[cfg(feature = "fpk")]
-    pub(crate) fn allowed(&self) -> Result<(), TooLong> {
+    pub fn allowed(&self) -> Result<(), TooLong> {
         match &*self.state.lock().unwrap_or_else(PoisonError::into_inner) {
             State::Refused(too_long) => Err(too_long.clone()),
             State::NotBegun | State::Measured(..) | State::Allowed => Ok(()),

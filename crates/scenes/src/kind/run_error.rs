@@ -1,9 +1,10 @@
 //! Errors of a run.
 
+use std::path::PathBuf;
+
 use mpi_ensembles::JobError;
 use result_figures::finite::JsonError;
 
-use super::blocks_left::BlocksLeft;
 use super::pace::TooLong;
 use super::part::ShardsError;
 use crate::checkpoint::CheckpointError;
@@ -70,10 +71,15 @@ pub enum RunError {
     /// A rank of the job failed.
     #[error(transparent)]
     Job(#[from] JobError),
-    /// The run would restart over blocks of another run.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    BlocksLeft(#[from] BlocksLeft),
+    /// The folder holds blocks of another run, and this run starts from the beginning.
+    #[error("{} contains {found} blocks of a run", folder.display())]
+    #[diagnostic(help("--resume continues from them, --overwrite removes them"))]
+    BlocksLeft {
+        /// The folder of the blocks.
+        folder: PathBuf,
+        /// Number of blocks.
+        found: usize,
+    },
     /// A shard was requested on ranks, which share an ensemble themselves.
     #[error("a shard of an ensemble, or a merge, runs in one process")]
     #[diagnostic(help("leave out --shard, or mpirun"))]
@@ -83,7 +89,7 @@ pub enum RunError {
     #[diagnostic(help("wait for its end, or choose another folder by --out"))]
     Occupied {
         /// The folder.
-        folder: std::path::PathBuf,
+        folder: PathBuf,
     },
     /// The scene has no random numbers.
     #[error("the seed {seed} was given, but the scene has no random numbers")]

@@ -192,6 +192,7 @@ mod tests {
     use super::*;
     use crate::scene::SceneFile;
 
+    /// Names of the ingredients, each with its number of renamed moments.
     fn names(text: &str) -> Vec<(String, usize)> {
         let scene: FpkScene = serde_json::from_str(text).unwrap();
         let all = ingredients(&scene);
@@ -205,6 +206,15 @@ mod tests {
     }
 
     #[test]
+    fn a_moment_has_another_id_without_a_state_and_one_of_that_state_is_lost() {
+        let text = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+        let scene: FpkScene = serde_json::from_str(text).unwrap();
+        let renamed = renamed_moments(&scene, 1);
+        assert_eq!(renamed[1], ("moment/1-1-0".to_owned(), Some("moment/1-1".to_owned())));
+        assert_eq!(renamed[3], ("moment/0-0-2".to_owned(), None));
+    }
+
+    #[test]
     fn what_is_left_of_a_built_in_scene_is_a_scene() {
         let damper = names(include_str!("../../../../../tests/scenes/fpk/viscous_damper.json"));
         assert_eq!(
@@ -214,10 +224,10 @@ mod tests {
         let shaken =
             names(include_str!("../../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"));
         let expected =
-            [("the filter of the ground".to_owned(), 2), ("the modulating function".to_owned(), 0)];
+            [("the filter of the ground".to_owned(), 4), ("the modulating function".to_owned(), 0)];
         assert_eq!(shaken, expected);
         let hysteresis = names(include_str!("../../../../../tests/scenes/fpk/bouc_wen.json"));
-        assert_eq!(hysteresis[0], ("the hysteresis".to_owned(), 1));
+        assert_eq!(hysteresis[0], ("the hysteresis".to_owned(), 7));
         let storeys = names(include_str!("../../../../../tests/scenes/fpk/two_storey.json"));
         assert_eq!(storeys[0], ("the dampers".to_owned(), 0));
         let duffing = names(include_str!("../../../../../tests/scenes/fpk/duffing.json"));

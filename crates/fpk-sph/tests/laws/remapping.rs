@@ -51,42 +51,40 @@ fn bits<S: Sde<2, 1>>(simulation: &Simulation<S, 2, 1>) -> Vec<u64> {
 
 #[test]
 fn a_gaussian_is_kept_by_either_fit_and_reaches_as_far_as_asked() {
-    {
-        let method = Method::FlowMapFit;
-        let lattice = InitialLattice::Ball { reach: 7.0, spacing: 0.5 };
-        let mut simulation = start(linear(), &Config { lattice, ..config(method, None) });
-        simulation.advance_to(1.0).unwrap();
-        let before = moments(&simulation);
-        let report = simulation.remap(&Remapping::MEASURED).unwrap();
-        assert_eq!(report.particles_after, simulation.n_particles());
-        // The lattice ends near 6 standard deviations, beyond which 1.5e-8 lie; they weigh 6^2 times that in the covariance.
-        assert!(report.outermost_mass < 1e-8 && report.mass_change.abs() < 2e-8, "{report:?}");
-        assert!(report.mean_change < 1e-7 && report.covariance_change < 6e-7, "{report:?}");
-        let [mass, m_q, m_v, qq, qv, vv] = moments(&simulation);
-        for (after, before) in [mass, m_q, m_v, qq, qv, vv].into_iter().zip(before) {
-            assert!((after - before).abs() < 1e-13, "roundoff of sums: {after} against {before}");
-        }
-        // The density of the cloud's Gaussian, with the cell at the mean for its constant.
-        let (mean_q, mean_v) = (m_q / mass, m_v / mass);
-        let (a, b, c) =
-            (qq / mass - mean_q.powi(2), qv / mass - mean_q * mean_v, vv / mass - mean_v.powi(2));
-        let determinant = a * c - b * b;
-        let exponent = |&[q, v]: &[f64; 2]| {
-            let (q, v) = (q - mean_q, v - mean_v);
-            -0.5 * (c * q * q - 2.0 * b * q * v + a * v * v) / determinant
-        };
-        let constants: Vec<f64> = simulation
-            .positions()
-            .iter()
-            .zip(simulation.masses())
-            .map(|(x, mass)| mass.ln() - exponent(x))
-            .collect();
-        let (low, high) = constants
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &c| (c.min(l), c.max(h)));
-        // That error of the covariance, which is restored, times 6^2/2.
-        assert!(high - low < 1e-5, "{method:?}: {}", high - low);
+    let method = Method::FlowMapFit;
+    let lattice = InitialLattice::Ball { reach: 7.0, spacing: 0.5 };
+    let mut simulation = start(linear(), &Config { lattice, ..config(method, None) });
+    simulation.advance_to(1.0).unwrap();
+    let before = moments(&simulation);
+    let report = simulation.remap(&Remapping::MEASURED).unwrap();
+    assert_eq!(report.particles_after, simulation.n_particles());
+    // The lattice ends near 6 standard deviations, beyond which 1.5e-8 lie; they weigh 6^2 times that in the covariance.
+    assert!(report.outermost_mass < 1e-8 && report.mass_change.abs() < 2e-8, "{report:?}");
+    assert!(report.mean_change < 1e-7 && report.covariance_change < 6e-7, "{report:?}");
+    let [mass, m_q, m_v, qq, qv, vv] = moments(&simulation);
+    for (after, before) in [mass, m_q, m_v, qq, qv, vv].into_iter().zip(before) {
+        assert!((after - before).abs() < 1e-13, "roundoff of sums: {after} against {before}");
     }
+    // The density of the cloud's Gaussian, with the cell at the mean for its constant.
+    let (mean_q, mean_v) = (m_q / mass, m_v / mass);
+    let (a, b, c) =
+        (qq / mass - mean_q.powi(2), qv / mass - mean_q * mean_v, vv / mass - mean_v.powi(2));
+    let determinant = a * c - b * b;
+    let exponent = |&[q, v]: &[f64; 2]| {
+        let (q, v) = (q - mean_q, v - mean_v);
+        -0.5 * (c * q * q - 2.0 * b * q * v + a * v * v) / determinant
+    };
+    let constants: Vec<f64> = simulation
+        .positions()
+        .iter()
+        .zip(simulation.masses())
+        .map(|(x, mass)| mass.ln() - exponent(x))
+        .collect();
+    let (low, high) = constants
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &c| (c.min(l), c.max(h)));
+    // That error of the covariance, which is restored, times 6^2/2.
+    assert!(high - low < 1e-5, "{method:?}: {}", high - low);
 }
 
 #[test]

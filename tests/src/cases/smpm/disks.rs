@@ -151,7 +151,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             runs.push(Run { method: *method, contact, collision });
         }
         if method.transfer == Transfer::Flip {
-            inclines.take(method)?;
+            inclines.take(*method)?;
             let config = Config { contact: FRICTIONLESS, ..method.config(CELL) };
             change.take(unequal(config)?, &method.name());
         }

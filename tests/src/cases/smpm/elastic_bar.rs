@@ -106,7 +106,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         claims.extend(vibration(context, family, &methods, &reference.vibration)?);
         claims.extend(wall_impact(context, family, &methods, &reference.wall_impact)?);
         for method in methods {
-            change.take(momentum(method)?, &method.name());
+            change.take(momentum(*method)?, &method.name());
         }
     }
     let lines = Lines { context, id: "", method: change.method(RODS) };
@@ -334,7 +334,7 @@ fn wall_impact(
 }
 
 /// Two free rods that meet: the change of the sum of their momenta over that of one.
-fn momentum(method: &Method) -> Result<f64, CaseError> {
+fn momentum(method: Method) -> Result<f64, CaseError> {
     let material = LinearElasticSolid::linear_elastic(LinearElasticParameters {
         density: 1.0,
         young_modulus: 100.0,

@@ -28,7 +28,7 @@ struct Motion {
     velocity: f64,
 }
 
-fn incline(method: &Method, coefficient: f64) -> Result<Simulation<f64, 2>, Error> {
+fn incline(method: Method, coefficient: f64) -> Result<Simulation<f64, 2>, Error> {
     let material = LinearElasticSolid::linear_elastic(LinearElasticParameters {
         density: 1.0,
         young_modulus: 1e4,
@@ -61,7 +61,7 @@ fn of_block(run: &Simulation<f64, 2>) -> (f64, f64) {
     (ledger.momentum[0] / ledger.mass, place)
 }
 
-fn motion(method: &Method, coefficient: f64) -> Result<Motion, Error> {
+fn motion(method: Method, coefficient: f64) -> Result<Motion, Error> {
     let mut run = incline(method, coefficient)?;
     run.advance_to(SETTLED)?;
     let (velocity, place) = of_block(&run);
@@ -86,7 +86,7 @@ pub(super) struct Inclines {
 
 impl Inclines {
     /// Runs one method.
-    pub(super) fn take(&mut self, method: &Method) -> Result<(), CaseError> {
+    pub(super) fn take(&mut self, method: Method) -> Result<(), CaseError> {
         let (stuck, sliding) = (motion(method, 0.8)?, motion(method, 0.4)?);
         self.creep.take(stuck.reach, &method.name());
         self.slide.take(sliding.velocity - (1.0 - 0.4 / ANGLE.tan()), &method.name());

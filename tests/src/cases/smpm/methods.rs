@@ -19,7 +19,7 @@ pub(super) const METHODS: [Method; 4] = [
 
 impl Method {
     /// In ids: `quadratic-musl`, `quadratic-musl-apic`.
-    pub(super) fn name(&self) -> String {
+    pub(super) fn name(self) -> String {
         let shape = match self.shape {
             Shape::QuadraticBSpline => "quadratic",
             Shape::CubicBSpline => "cubic",
@@ -29,8 +29,8 @@ impl Method {
     }
 
     /// The default configuration with this shape function and transfer.
-    pub(super) fn config<const D: usize>(&self, cell: f64) -> Config<D> {
-        let Self { shape, transfer } = *self;
+    pub(super) fn config<const D: usize>(self, cell: f64) -> Config<D> {
+        let Self { shape, transfer } = self;
         Config { shape, transfer, ..Config::with_cell(cell) }
     }
 }

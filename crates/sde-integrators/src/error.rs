@@ -334,16 +334,6 @@ pub enum Error {
         /// Number required.
         expected: usize,
     },
-    /// The iteration found no design point.
-    #[error(
-        "no design point after {iterations} iterations; square of the gradient: {gradient_square:e}"
-    )]
-    NoDesignPoint {
-        /// Number of iterations.
-        iterations: usize,
-        /// Zero where the response does not depend on the noise, NaN where the iterations ran out.
-        gradient_square: f64,
-    },
     /// Subset simulation did not reach its threshold.
     #[error("threshold {threshold} not reached after {limit} levels")]
     TooManyLevels {

@@ -66,10 +66,7 @@ pub use milstein::Milstein;
 pub use noise::{Increment, Noise, PathNoise, Purpose, Stream, WORDS_PER_PAIR};
 pub use noise_factor::{DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
 pub use normal_distribution::{normal_probability, normal_quantile};
-pub use rare::{
-    DesignPoint, DrivenPath, NormalResponse, SubsetConfig, design_point, importance_sampling,
-    subset_simulation,
-};
+pub use rare::{DrivenPath, NormalResponse, SubsetConfig, subset_simulation};
 pub use samples::Samples;
 pub use schedule::EnsembleConfig;
 pub use semi_implicit_euler::SemiImplicitEuler;

@@ -1,10 +1,6 @@
-//! Rare events: importance sampling at a design point, and subset simulation.
-//!
-//! Both treat a path as a function of independent standard normals.
+//! Rare events by subset simulation, with a path as a function of independent standard normals.
 
-use std::ops::Range;
-
-use crate::blocks::{BLOCK_LENGTH, map_blocks, reduce_blocks};
+use crate::blocks::{BLOCK_LENGTH, map_blocks};
 use crate::error::Error;
 use crate::estimate::{Accumulator, Estimate, Uncertainty};
 use crate::integrator::Integrator;
@@ -107,118 +103,6 @@ impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
         }
         Ok(x)
     }
-}
-
-/// The design point of the first-order reliability method: nearest to the origin on the threshold surface.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DesignPoint {
-    /// The point `u*`, in standard normals.
-    pub normals: Vec<f64>,
-    /// `beta = |u*|`; for a response linear in the normals the probability is `Phi(-beta)`.
-    pub reliability_index: f64,
-    /// Number of gradient evaluations.
-    pub iterations: usize,
-}
-
-/// The design point by the Hasofer-Lind-Rackwitz-Fiessler iteration with forward-difference gradients,
-///
-/// $$ u \leftarrow \frac{\nabla g \cdot u + b - g(u)}{|\nabla g|^2} \nabla g . $$
-///
-/// A gradient costs one response per normal. The iteration ends when `u` moves by less than a relative 1e-3. The point
-/// need not be exact, because [`importance_sampling`] is unbiased for any point.
-///
-/// Source: Rackwitz and Fiessler 1978, Structural reliability under combined random load sequences; for paths Der
-/// Kiureghian 2000, The geometry of random vibrations and solutions by FORM and SORM.
-///
-/// # Errors
-/// Those of the response; [`Error::NotANumber`] for the response or the threshold; [`Error::NoDesignPoint`] if the
-/// gradient vanishes, the point diverges or 50 iterations do not suffice; [`Error::TooMany`] for 2^32 normals or more.
-pub fn design_point(
-    response: NormalResponse<'_>,
-    n_normals: usize,
-    threshold: f64,
-) -> Result<DesignPoint, Error> {
-    const STEP: f64 = 1e-4;
-    const MAX_ITERATIONS: usize = 50;
-    number("threshold", threshold)?;
-    at_most("normals", n_normals as f64, MOST_NORMALS)?;
-    let mut u = vec![0.0; n_normals];
-    for iterations in 1..=MAX_ITERATIONS {
-        let value = respond(response, &u)?;
-        let mut gradient = vec![0.0; n_normals];
-        for (k, slope) in gradient.iter_mut().enumerate() {
-            let mut shifted = u.clone();
-            shifted[k] += STEP;
-            *slope = (respond(response, &shifted)? - value) / STEP;
-        }
-        let square: f64 = gradient.iter().map(|g| g * g).sum();
-        if !(square.is_finite() && square > 0.0) {
-            return Err(Error::NoDesignPoint { iterations, gradient_square: square });
-        }
-        let projection: f64 = gradient.iter().zip(&u).map(|(g, u)| g * u).sum();
-        let factor = (projection + threshold - value) / square;
-        let (mut moved, mut length) = (0.0, 0.0);
-        for (u, g) in u.iter_mut().zip(&gradient) {
-            let next = factor * g;
-            moved += (next - *u) * (next - *u);
-            length += next * next;
-            *u = next;
-        }
-        if !length.is_finite() {
-            return Err(Error::NoDesignPoint { iterations, gradient_square: square });
-        }
-        if moved <= 1e-6 * length {
-            return Ok(DesignPoint { normals: u, reliability_index: length.sqrt(), iterations });
-        }
-    }
-    Err(Error::NoDesignPoint { iterations: MAX_ITERATIONS, gradient_square: f64::NAN })
-}
-
-/// `P(response > threshold)` by importance sampling.
-///
-/// Normals are centred at the design point and have likelihood-ratio weights,
-///
-/// $$ \hat p = \frac1n \sum_k 1_{g(u^* + z_k) > b}  e^{-u^* \cdot z_k - |u^*|^2/2} . $$
-///
-/// The error is unknown if no sample exceeded the threshold. The estimate is unbiased for every `u*`, and efficient if
-/// one design point has most of the probability: one time, one threshold, a nearly linear response. For a first
-/// passage there is a design point for every time: use [`subset_simulation`].
-///
-/// # Errors
-/// Those of the response, of the lowest sample that fails; [`Error::NotANumber`] for the response or the threshold,
-/// [`Error::NotFinite`] for the design point; [`Error::TooFew`] for fewer than 2 samples.
-pub fn importance_sampling(
-    response: NormalResponse<'_>,
-    threshold: f64,
-    design_point: &DesignPoint,
-    noise: &Noise,
-    n_samples: u64,
-) -> Result<Estimate, Error> {
-    number("threshold", threshold)?;
-    let shift = &design_point.normals;
-    if let Some(index) = shift.iter().position(|u| !u.is_finite()) {
-        return Err(Error::NotFinite { quantity: "normal", index, value: shift[index] });
-    }
-    let half_square = 0.5 * shift.iter().map(|u| u * u).sum::<f64>();
-    let block = |ids: Range<u64>| {
-        let (mut sum, mut normals) = (Accumulator::default(), vec![0.0; shift.len()]);
-        for realisation in ids {
-            noise.stream(Purpose::Path, realisation).fill_normal(&mut normals);
-            let mut product = 0.0;
-            for (z, u) in normals.iter_mut().zip(shift) {
-                product += u * *z;
-                *z += u;
-            }
-            let exceeds = respond(response, &normals)? > threshold;
-            sum.push(if exceeds { (-product - half_square).exp() } else { 0.0 });
-        }
-        Ok(sum)
-    };
-    let merge = |mut earlier: Accumulator, later: Accumulator| {
-        earlier.merge(&later);
-        earlier
-    };
-    Ok(seen(reduce_blocks(n_samples, block, merge)?.unwrap_or_default().estimate()?))
 }
 
 /// An event without any occurrence: a sample of zeros has no scatter, which is no information on the error.

@@ -24,7 +24,7 @@ use crate::tail_design_point::{TailPoint, find};
 /// $$ \hat p = \frac1n \sum_k \Phi(-s_k), \qquad g(z_{\perp, k} + s_k a) = \text{level} . $$
 ///
 /// The weights depend on how much $s_k$ varies, not on the number of normals; those of a normal density about the design
-/// point, as of [`sde_integrators::importance_sampling`], become uneven where the surface is curved in many directions.
+/// point become uneven where the surface is curved in many directions.
 /// Use [`subset`](Self::subset) as a check without a gradient, and where no direction is important.
 ///
 /// Sources: Koutsourelakis, Pradlwarter and Schueller 2004, Reliability of structures in high dimensions, part I; Hohenbichler

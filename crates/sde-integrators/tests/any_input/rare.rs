@@ -1,12 +1,11 @@
-//! Probabilities of rare events, by importance sampling and by subset simulation.
+//! Probabilities of rare events, by subset simulation.
 
 use proptest::prelude::*;
 use sde_integrators::{
-    DesignPoint, DrivenPath, Estimate, Heun, Noise, SubsetConfig, Uncertainty, design_point,
-    importance_sampling, subset_simulation,
+    DrivenPath, Estimate, Heun, Noise, SubsetConfig, Uncertainty, subset_simulation,
 };
 
-use super::drawn::{Cubic, count, cubic, is_told, number, numbers};
+use super::drawn::{Cubic, count, cubic, is_told, number};
 
 /// A path and what of it is rare.
 #[derive(Debug)]
@@ -20,9 +19,6 @@ pub(crate) struct Rare {
     /// Whether the response is a ratio, which need not be a number.
     is_ratio: bool,
     threshold: f64,
-    /// In place of the one that is found.
-    point: Option<Vec<f64>>,
-    n_samples: u64,
     subset: SubsetConfig,
 }
 
@@ -38,14 +34,10 @@ pub(crate) fn rare() -> impl Strategy<Value = Rare> {
     (
         (cubic(), prop::array::uniform2(number()), number(), 0_usize..4),
         (more, any::<bool>(), number()),
-        (prop::option::weighted(0.2, numbers()), 0_u64..100, subset),
+        subset,
     )
         .prop_map(
-            |(
-                (system, start, dt, n_steps),
-                (more_normals, is_ratio, threshold),
-                (point, n_samples, subset),
-            )| Rare {
+            |((system, start, dt, n_steps), (more_normals, is_ratio, threshold), subset)| Rare {
                 system,
                 start,
                 dt,
@@ -53,8 +45,6 @@ pub(crate) fn rare() -> impl Strategy<Value = Rare> {
                 more_normals,
                 is_ratio,
                 threshold,
-                point,
-                n_samples,
                 subset,
             },
         )
@@ -77,21 +67,6 @@ pub(crate) fn estimates_the_rare(rare: Rare) -> Result<(), TestCaseError> {
         Ok(if rare.is_ratio { x / v } else { x })
     };
     let noise = Noise::new(1);
-    let given = rare.point.map(|normals| DesignPoint {
-        reliability_index: normals.iter().map(|u| u * u).sum::<f64>().sqrt(),
-        normals,
-        iterations: 0,
-    });
-    let point = match given {
-        Some(point) => Some(point),
-        None => design_point(&response, n_normals, threshold).ok(),
-    };
-    if let Some(point) = point
-        && let Ok(estimate) =
-            importance_sampling(&response, threshold, &point, &noise, rare.n_samples)
-    {
-        prop_assert!(is_probability(&estimate, f64::MAX), "{estimate:?}");
-    }
     let subset = subset_simulation(&response, n_normals, threshold, &noise, &rare.subset);
     if let Ok(estimate) = subset {
         prop_assert!(is_probability(&estimate, 1.0), "{estimate:?}");

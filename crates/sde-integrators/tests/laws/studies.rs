@@ -1,10 +1,10 @@
 //! Studies, bridges, samples, rare events: what must hold of each.
 
 use sde_integrators::{
-    Additive, Between, DesignPoint, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Integrator,
-    Joints, LANES, LaneIncrements, LinearFlows, Noise, Observable, Response, Samples, Sde,
-    SemiImplicitEuler, Side, SimdLevel, StateSpace, StrangOscillator, Study, SubsetConfig,
-    Uncertainty, design_point, importance_sampling, maxima, merge, merge_so_far, subset_simulation,
+    Additive, Between, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Integrator, Joints, LANES,
+    LaneIncrements, LinearFlows, Noise, Observable, Response, Samples, Sde, SemiImplicitEuler,
+    Side, SimdLevel, StateSpace, StrangOscillator, Study, SubsetConfig, Uncertainty, maxima, merge,
+    merge_so_far, subset_simulation,
 };
 
 use crate::methods::Linear;
@@ -240,7 +240,7 @@ fn a_response_that_cannot_be_is_refused() {
 }
 
 #[test]
-fn rare_event_methods_refuse_what_cannot_be() {
+fn subset_simulation_refuses_what_cannot_be() {
     let path = DrivenPath {
         system: &OSCILLATOR,
         integrator: &StrangOscillator,
@@ -251,8 +251,6 @@ fn rare_event_methods_refuse_what_cannot_be() {
     assert_eq!(path.n_normals::<1>(), 20);
     let short = path.run::<1>(&[0.0; 19], |_, _, _| ()).unwrap_err();
     assert!(matches!(short, Error::WrongLength { value: 19, expected: 20, .. }));
-    let constant = |_: &[f64]| Ok(1.0);
-    assert!(matches!(design_point(&constant, 3, 2.0), Err(Error::NoDesignPoint { .. })));
     let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
     let subset = |config| subset_simulation(&|u| Ok(u[0]), 2, 3.0, &Noise::new(1), &config);
     assert!(subset(config).is_ok());
@@ -264,36 +262,24 @@ fn rare_event_methods_refuse_what_cannot_be() {
     assert!(matches!(subset(large), Err(Error::TooMany { .. })));
     let many = SubsetConfig { n_runs: u64::MAX, ..config };
     assert!(matches!(subset(many), Err(Error::TooMany { .. })));
-    assert!(matches!(design_point(&constant, usize::MAX, 2.0), Err(Error::TooMany { .. })));
     let backwards = DrivenPath { dt: -0.1, ..path }.run::<1>(&[0.0; 20], |_, _, _| ());
     assert!(matches!(backwards, Err(Error::NotPositive { value: -0.1, .. })));
 }
 
 /// Compared with a threshold, NaN is as if it had not exceeded.
 #[test]
-fn rare_event_methods_refuse_what_is_not_a_number() {
+fn subset_simulation_refuses_what_is_not_a_number() {
     let sometimes = |u: &[f64]| Ok(u[0].sqrt());
     let always = |u: &[f64]| Ok(u[0]);
     let of_response = Err(Error::NotANumber { quantity: "response" });
     let of_threshold = Err(Error::NotANumber { quantity: "threshold" });
     let noise = Noise::new(1);
-    let point = DesignPoint { normals: vec![0.0], reliability_index: 0.0, iterations: 0 };
-    let sampled = |response, threshold| {
-        importance_sampling(response, threshold, &point, &noise, 100).map(|_| ())
-    };
-    assert_eq!(sampled(&sometimes, 3.0), of_response);
-    assert_eq!(sampled(&always, f64::NAN), of_threshold);
-    let nowhere = DesignPoint { normals: vec![f64::NAN], ..point.clone() };
-    let nowhere = importance_sampling(&always, 3.0, &nowhere, &noise, 100);
-    assert!(matches!(nowhere, Err(Error::NotFinite { index: 0, .. })));
     let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
     let subset = |response, threshold| {
         subset_simulation(response, 1, threshold, &noise, &config).map(|_| ())
     };
     assert_eq!(subset(&sometimes, 3.0), of_response);
     assert_eq!(subset(&always, f64::NAN), of_threshold);
-    assert_eq!(design_point(&always, 1, f64::NAN).map(|_| ()), of_threshold);
-    assert_eq!(design_point(&|_| Ok(f64::NAN), 1, 3.0).map(|_| ()), of_response);
 }
 
 /// Zeros have no spread, and ones have none.
@@ -301,9 +287,6 @@ fn rare_event_methods_refuse_what_is_not_a_number() {
 fn what_was_never_seen_has_no_error() {
     let response = |u: &[f64]| Ok(u[0].min(1.0));
     let noise = Noise::new(1);
-    let point = DesignPoint { normals: vec![0.0], reliability_index: 0.0, iterations: 0 };
-    let never = importance_sampling(&response, 2.0, &point, &noise, 100).unwrap();
-    assert_eq!((never.value, never.uncertainty), (0.0, Uncertainty::Unknown));
     let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
     let subset = |threshold| subset_simulation(&response, 1, threshold, &noise, &config).unwrap();
     let never = subset(2.0);
@@ -314,16 +297,11 @@ fn what_was_never_seen_has_no_error() {
 
 /// `P(u > 3) = 1.3499e-3` (Abramowitz and Stegun, table 26.1) from a single normal.
 #[test]
-fn rare_event_methods_find_the_tail_of_the_normal_law() {
+fn subset_simulation_finds_the_tail_of_the_normal_law() {
     let response = |u: &[f64]| Ok(u[0]);
-    let point = design_point(&response, 2, 3.0).unwrap();
-    assert!((point.reliability_index - 3.0).abs() < 1e-9);
-    let sampled = importance_sampling(&response, 3.0, &point, &Noise::new(6), 20_000).unwrap();
     let config = SubsetConfig { n_samples: 1_000, correlation: 0.8, n_runs: 40 };
     let subset = subset_simulation(&response, 2, 3.0, &Noise::new(6), &config).unwrap();
     let exact = 0.00134989803;
-    for (estimate, bias) in [(sampled, 0.0), (subset, 0.05 * exact)] {
-        let error = (estimate.value - exact).abs();
-        assert!(error <= bias + 4.0 * estimate.standard_error().unwrap(), "{estimate}");
-    }
+    let error = (subset.value - exact).abs();
+    assert!(error <= 0.05 * exact + 4.0 * subset.standard_error().unwrap(), "{subset}");
 }

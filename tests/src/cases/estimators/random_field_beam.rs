@@ -1,7 +1,7 @@
 //! The cantilever of Xian and Wang 2024: a thousand normals, a probability of 3.6e-5.
 
 use result_figures::{ErrorKind, Measured, Reference};
-use sde_integrators::{DesignPoint, Estimate, Noise, Purpose, importance_sampling};
+use sde_integrators::{Accumulator, Estimate, Noise, Purpose};
 use uq_estimators::{NormalModel, TailEstimate, TailPoint, TailSampling};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -128,20 +128,24 @@ fn gain(
     ))
 }
 
-/// Normals about the design point and indicators alone: no root, no direction.
+/// Importance sampling by normals about the design point `u`: an indicator with the weight `exp(-u.z - u.u/2)`, without a root or a
+/// direction.
 fn by_importance(
     context: &Context<'_>,
     beam: &Beam,
     point: &TailPoint,
     found: &TailEstimate,
 ) -> Result<Claim, CaseError> {
-    let point = DesignPoint {
-        normals: point.normals.clone(),
-        reliability_index: point.reliability_index,
-        iterations: point.steps,
-    };
-    let response = |z: &[f64]| Ok(beam.value(z).unwrap_or(f64::NAN));
-    let other = importance_sampling(&response, LEVEL, &point, &Noise::new(22), 4_000)?;
+    let shift = &point.normals;
+    let half_square = 0.5 * shift.iter().map(|u| u * u).sum::<f64>();
+    let (mut sum, mut z) = (Accumulator::default(), vec![0.0; shift.len()]);
+    for sample in 0..4_000 {
+        Noise::new(22).stream(Purpose::Path, sample).fill_normal(&mut z);
+        let product: f64 = shift.iter().zip(&z).map(|(u, z)| u * z).sum();
+        z.iter_mut().zip(shift).for_each(|(z, u)| *z += u);
+        sum.push(if beam.value(&z)? > LEVEL { (-product - half_square).exp() } else { 0.0 });
+    }
+    let other = sum.estimate()?;
     same(context, ("importance", "importance sampling, 4,000 runs"), found, &other)
 }
 

@@ -3,9 +3,9 @@
 use std::ops::Deref;
 use std::sync::{Mutex, PoisonError};
 
+use reference_problems::context;
+pub use reference_problems::context::{CaseError, Profile, Shared, SharedTypeError};
 use serde::Serialize;
-use work_precision::context;
-pub use work_precision::context::{CaseError, Profile, Shared, SharedTypeError};
 
 use crate::claim::Subject;
 use crate::report::Claim;

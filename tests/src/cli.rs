@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
+use reference_problems::context::Extent;
+use reference_problems::record::{Recording, default_folder, workspace};
 use scenes::cli::exit_code;
 use verification::{cases, verify};
-use work_precision::cli::{Extent, recording};
-use work_precision::record::{default_folder, workspace};
 
 #[derive(Debug, Parser)]
 #[command(
@@ -85,7 +85,7 @@ fn execute_verify(arguments: Verify, output: &mut dyn Write) -> miette::Result<E
     }
     let profile = arguments.extent.profile();
     let options = verify::Options {
-        recording: recording(arguments.record, profile)?,
+        recording: Recording::requested(arguments.record, profile)?,
         profile,
         filters: arguments.filters,
         out: arguments.out.unwrap_or_else(|| default_folder("verify")),

@@ -5,10 +5,10 @@
 
 use std::fmt;
 
+use reference_problems::context::Profile;
 use result_figures::{ErrorKind, number};
 use scenes::machine::Machine;
 use serde::{Deserialize, Serialize};
-use work_precision::context::Profile;
 
 /// The name of the schema, the first field of every report.
 pub const SCHEMA: &str = "verification-report/1";

@@ -12,9 +12,9 @@ mod table;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use reference_problems::record::{self, RecordError, Recording};
 use result_figures::finite::{self, JsonError};
 use result_figures::number;
-use work_precision::record::{self, RecordError, Recording};
 
 pub use self::fingerprint::{Change, Fingerprint, SourceError};
 pub use self::numbers::render_numbers;

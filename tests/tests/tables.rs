@@ -7,7 +7,6 @@ use std::path::Path;
 
 use scenes::schema;
 use verification::{cases, verify};
-use work_precision::{charts, draw};
 
 #[test]
 fn the_cases_have_well_formed_names_of_their_own() -> Result<(), verify::TableError> {
@@ -15,14 +14,10 @@ fn the_cases_have_well_formed_names_of_their_own() -> Result<(), verify::TableEr
 }
 
 #[test]
-fn names_of_charts_sweeps_and_scenes_are_unique() {
-    let names = |table: &[draw::ChartKind]| table.iter().map(|kind| kind.name).collect();
-    let solvers = scenes::ALL.iter().map(|kind| kind.solver).collect();
-    for names in [names(charts::ALL), names(charts::MODELS), names(charts::STABILITY), solvers] {
-        let names: Vec<&str> = names;
-        assert!(!names.is_empty());
-        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
-    }
+fn names_of_scenes_are_unique() {
+    let names: Vec<&str> = scenes::ALL.iter().map(|kind| kind.solver).collect();
+    assert!(!names.is_empty());
+    assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len());
 }
 
 /// Also that every number states its unit and every key has an example, and that the built-in scenes fit their schemas: else there

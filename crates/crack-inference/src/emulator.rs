@@ -12,8 +12,8 @@ use crate::regressions::{Layout, Regressions};
 use crate::summaries::Summaries;
 
 /// The synthetic likelihood, `sum_p ln N(y_p; m, S + R)` of the summaries `y_p` of plates with errors of measurement of the variances
-/// `R`, with a mean `m` and a covariance `S` that are functions of the parameters, fitted to ensembles at the points of a design. It
-/// supposes that the summaries are nearly normal.
+/// `R`. The mean `m` and the covariance `S` are functions of the parameters, fitted to ensembles at the points of a design. The
+/// summaries are assumed to be nearly normal.
 ///
 /// Each summary is regressed on those before it; means, slopes and the logarithms of the variances of what is left are quadratic
 /// polynomials in the parameters on their scales, by least squares with the numbers of realisations as weights. Any values of them

@@ -7,9 +7,9 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use scenes::cli::exit_code;
 
-use crate::context::Profile;
-use crate::record::{self, Recording};
 use crate::{charts, draw};
+use reference_problems::context::Extent;
+use reference_problems::record::{self, Recording};
 
 #[derive(Debug, Parser)]
 #[command(
@@ -61,30 +61,6 @@ struct Drawn {
     out: Option<PathBuf>,
 }
 
-/// Amount of work.
-#[derive(Debug, Clone, Copy, Args)]
-#[group(multiple = false)]
-pub struct Extent {
-    /// The cheapest part, at most 3 minutes
-    #[arg(long)]
-    quick: bool,
-    /// Everything, at most 90 minutes
-    #[arg(long)]
-    full: bool,
-}
-
-impl Extent {
-    /// Profile selected by the flags.
-    #[must_use]
-    pub const fn profile(self) -> Profile {
-        match (self.quick, self.full) {
-            (true, _) => Profile::Quick,
-            (_, true) => Profile::Full,
-            _ => Profile::Default,
-        }
-    }
-}
-
 /// Parses the command line, runs the command, and returns the exit code.
 pub fn main() -> ExitCode {
     exit_code(execute(Cli::parse().command, &mut io::stdout().lock()))
@@ -120,7 +96,7 @@ fn execute_chart(
     let options = draw::Options {
         what,
         names: arguments.names,
-        recording: recording(arguments.record, profile)?,
+        recording: Recording::requested(arguments.record, profile)?,
         profile,
         out: arguments.out.unwrap_or_else(|| record::default_folder(folder)),
     };
@@ -128,17 +104,10 @@ fn execute_chart(
     Ok(ExitCode::SUCCESS)
 }
 
-/// The recording that the flag requests, if it is allowed.
-///
-/// # Errors
-/// [`RecordError`](record::RecordError), as a report.
-pub fn recording(is_asked: bool, profile: Profile) -> miette::Result<Recording> {
-    Ok(if is_asked { Recording::on(profile)? } else { Recording::Off })
-}
-
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
+    use reference_problems::context::Profile;
 
     use super::*;
 
@@ -153,7 +122,7 @@ mod tests {
         let cli = Cli::try_parse_from(["x", "chart", "fpk", "--quick"]).unwrap();
         let Command::Chart(arguments) = cli.command else { panic!("not chart") };
         assert_eq!(arguments.drawn.extent.profile(), Profile::Quick);
-        assert!(recording(true, Profile::Quick).is_err());
-        assert_eq!(recording(false, Profile::Quick).unwrap(), Recording::Off);
+        assert!(Recording::requested(true, Profile::Quick).is_err());
+        assert_eq!(Recording::requested(false, Profile::Quick).unwrap(), Recording::Off);
     }
 }

@@ -8,9 +8,9 @@ use result_figures::number::counted;
 use scenes::nearest::nearest;
 use scenes::output::{write_drawing, write_text};
 
-use crate::context::{CaseError, Context, Profile, Shared};
 use crate::overview::{self, OverviewError};
-use crate::record::Recording;
+use reference_problems::context::{CaseError, Context, Profile, Shared};
+use reference_problems::record::Recording;
 
 /// One entry of a table of charts.
 #[derive(Debug, Clone, Copy)]

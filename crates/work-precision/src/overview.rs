@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn the_page_of_what_is_recorded_can_be_made() {
-        let page = overview(&crate::record::workspace().join("docs/charts")).unwrap();
+        let page = overview(&reference_problems::record::workspace().join("docs/charts")).unwrap();
         for (_, solver) in SOLVERS {
             assert!(page.contains(&format!("\n## {solver}\n")), "{solver}");
         }

@@ -20,7 +20,8 @@ use result_figures::{
 use scenes::causes::with_causes;
 use serde::{Deserialize, Serialize};
 
-use crate::context::CaseError;
+use reference_problems::context::CaseError;
+use reference_problems::work::Work;
 
 /// Number of points on the line of a boundary.
 const BOUNDARY_POINTS: u32 = 120;
@@ -32,45 +33,9 @@ const NEAR: f64 = 0.03;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// The run exceeds the work limit of its map.
-    #[error("work limit reached: {asked} steps asked for, the limit is {limit}")]
-    WorkLimit {
-        /// Total requested work.
-        asked: u64,
-        /// Work limit.
-        limit: u64,
-    },
     /// The error is NaN although no error was returned: a silent failure.
     #[error("the run gave a result whose error is not a number")]
     NotANumber,
-}
-
-/// Work budget of one run, in steps or in another unit of its map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Work {
-    spent: u64,
-    limit: u64,
-}
-
-impl Work {
-    /// A budget with no work spent.
-    #[must_use]
-    pub const fn new(limit: u64) -> Self {
-        Self { spent: 0, limit }
-    }
-
-    /// Requests more work before it is done.
-    ///
-    /// # Errors
-    /// [`SweepError::WorkLimit`].
-    pub fn spend(&mut self, steps: u64) -> Result<(), SweepError> {
-        let asked = self.spent.saturating_add(steps);
-        if asked > self.limit {
-            return Err(SweepError::WorkLimit { asked, limit: self.limit });
-        }
-        self.spent = asked;
-        Ok(())
-    }
 }
 
 /// Outcome of a run.
@@ -201,7 +166,7 @@ impl Panel<'_> {
             .map(|(x, y)| {
                 let mut work = Work::new(self.work_limit);
                 let outcome = Outcome::judge((self.run)(x, y, &mut work), self.tolerance);
-                Point { x, y, work: work.spent, outcome }
+                Point { x, y, work: work.spent(), outcome }
             })
             .collect();
         let is_against = |point: &&Point| {

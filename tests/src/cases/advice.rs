@@ -47,9 +47,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
     for solver in ["fpk", "smpm", "peridyn"] {
         let mut all = Tally::default();
-        for scene in
-            BuiltIn::all(scenes::ALL, &work_precision::record::workspace().join("tests/scenes"))?
-        {
+        for scene in BuiltIn::all(
+            scenes::ALL,
+            &reference_problems::record::workspace().join("tests/scenes"),
+        )? {
             if scene.name.starts_with(solver) {
                 context.progress(&scene.name);
                 tally(&scene, &mut all)?;

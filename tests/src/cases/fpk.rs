@@ -26,10 +26,10 @@ pub(crate) mod stationary_oscillators;
 pub(crate) mod time_schemes;
 pub(crate) mod viscous_damper;
 
+use reference_problems::fpk::problem::Problem;
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
 use scenes::fpk::scene::FpkScene;
-use work_precision::problems::fpk::problem::Problem;
 
 use crate::case::{CaseError, Context};
 use crate::claim::Criterion;

@@ -7,11 +7,11 @@ use std::thread;
 use std::time::Duration;
 
 use mpi_ensembles::ThreadRank;
+use reference_problems::processes::{AS_SCENES, Scene, finish, outcome, piped, scenes, started};
 use result_figures::ErrorKind;
 use scenes::ALL;
 use scenes::kind::{Options, Progress, run_on_ranks};
 use serde_json::Value;
-use work_precision::processes::{AS_SCENES, Scene, finish, outcome, piped, scenes, started};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Subject;

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use result_figures::ErrorKind;
-use sde_integrators::{Noise, Purpose};
-use work_precision::processes::{
+use reference_problems::processes::{
     Scene, command_of_scenes, finish, outcome, piped, scenes, started,
 };
+use result_figures::ErrorKind;
+use sde_integrators::{Noise, Purpose};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Subject;

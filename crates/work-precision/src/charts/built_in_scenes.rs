@@ -8,8 +8,8 @@ use scenes::answers::Statistic;
 use scenes::ladder::{BuiltIn, Growth, Outcome, Trial};
 use scenes::machine::Machine;
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
+use reference_problems::context::{CaseError, Context, Profile};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "scenes",
@@ -76,7 +76,9 @@ impl Group {
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let mut drawings = Vec::new();
-    for scene in BuiltIn::all(scenes::ALL, &crate::record::workspace().join("tests/scenes"))? {
+    for scene in
+        BuiltIn::all(scenes::ALL, &reference_problems::record::workspace().join("tests/scenes"))?
+    {
         context.progress(&scene.name);
         let mut trials = scene.trials(budget(context.profile), |method, rung| {
             context.progress(&format!("  {}", method.at(&rung.label)));

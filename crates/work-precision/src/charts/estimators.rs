@@ -6,8 +6,8 @@ mod paths;
 
 use result_figures::Drawing;
 
-use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;
+use reference_problems::context::{CaseError, Context};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "estimators",

@@ -12,10 +12,10 @@ use scenes::fpk::density::{Asked, Demand};
 use scenes::fpk::monte_carlo::Sampling;
 use scenes::machine::Machine;
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::fpk::methods::papers_config;
-use crate::problems::fpk::problem::Problem;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::fpk::methods::papers_config;
+use reference_problems::fpk::problem::Problem;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk",
@@ -68,7 +68,7 @@ struct Ladder {
 ///
 /// # Errors
 /// Errors of the runs and of the charts, and a missing reference.
-pub fn work_precision(
+fn work_precision(
     context: &Context<'_>,
     problem: &Problem,
     name: &str,
@@ -362,11 +362,7 @@ pub(super) fn timed<T>(
 ///
 /// # Errors
 /// Errors of the run and of the chart, and a scene without a density method.
-pub fn exceedance(
-    context: &Context<'_>,
-    problem: &Problem,
-    name: &str,
-) -> Result<Drawing, CaseError> {
+fn exceedance(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Drawing, CaseError> {
     context.progress(&format!("{name}: exceedance over time"));
     let config = problem.density_config(1.0)?;
     let thresholds = &problem.scene.thresholds;

@@ -17,15 +17,15 @@ use self::runs::{
 };
 use self::surface::SurfaceOf;
 use self::table::page;
-use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;
-use crate::problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
-use crate::problems::fpk::linear_moments::{NormalLaw, linear_moments};
-use crate::problems::fpk::methods::{
+use reference_problems::context::{CaseError, Context};
+use reference_problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
+use reference_problems::fpk::linear_moments::{NormalLaw, linear_moments};
+use reference_problems::fpk::methods::{
     BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR,
 };
-use crate::problems::fpk::oscillator::Oscillator;
-use crate::problems::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk-choice",

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use smoothing_kernels::{Kernel, all};
 
-use crate::context::{CaseError, Context};
 use crate::draw::ChartKind;
+use reference_problems::context::{CaseError, Context};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "kernels",

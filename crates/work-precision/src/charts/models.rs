@@ -9,8 +9,8 @@ use scenes::machine::{Machine, commit, commit_words};
 use scenes::models::{Change, Effect, Study, study};
 use serde::Serialize;
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
+use reference_problems::context::{CaseError, Context, Profile};
 
 pub(crate) const FPK: ChartKind = ChartKind {
     name: "fpk",
@@ -75,7 +75,9 @@ struct Row {
 
 fn page(context: &Context<'_>, folder: &str, solver: &str) -> Result<Vec<Drawing>, CaseError> {
     let (mut rows, mut text) = (Vec::new(), head(solver));
-    for scene in BuiltIn::all(scenes::ALL, &crate::record::workspace().join("tests/scenes"))? {
+    for scene in
+        BuiltIn::all(scenes::ALL, &reference_problems::record::workspace().join("tests/scenes"))?
+    {
         if scene.name.split('/').next() != Some(folder) {
             continue;
         }

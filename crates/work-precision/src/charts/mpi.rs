@@ -8,9 +8,9 @@ use scenes::kind::{BlockRecord, JobRecord};
 use scenes::machine::Machine;
 use sde_integrators::{Noise, Purpose, Stream};
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::processes::{command_of_scenes, cracks, finish, piped, scenes};
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::processes::{command_of_scenes, cracks, finish, piped, scenes};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "mpi",

@@ -6,9 +6,9 @@ use result_figures::Drawing;
 use serde::Serialize;
 
 use super::papers_figures::{density_of_canor_denoel, moments_of_canor_denoel, of_chen};
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::smpm::published::{
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::smpm::published::{
     MeanAndVariance, PrintedRow, Solved, TABLES, by_series, one_time, printed,
 };
 

@@ -8,10 +8,10 @@ use scenes::fpk::density::{self, Asked, Demand, DensityRun};
 use scenes::fpk::plane_density::{PlaneDensity, plane_density};
 use scenes::machine::Machine;
 
-use crate::context::CaseError;
-use crate::problems::fpk::methods::papers_config;
-use crate::problems::fpk::problem::{Problem, bouc_wen};
-use crate::problems::smpm::published::{Solved, TABLES, by_series, printed};
+use reference_problems::context::CaseError;
+use reference_problems::fpk::methods::papers_config;
+use reference_problems::fpk::problem::{Problem, bouc_wen};
+use reference_problems::smpm::published::{Solved, TABLES, by_series, printed};
 
 /// Figure of Chen et al. 2019, table and gauge.
 const OF_CHEN: [(u32, usize, &str); 4] = [(9, 0, "H"), (10, 0, "I"), (11, 1, "G"), (12, 2, "G")];

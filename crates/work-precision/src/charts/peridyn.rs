@@ -8,12 +8,12 @@ use scenes::machine::Machine;
 use sde_integrators::Noise;
 
 use super::fpk::{LONG, cost_in_seconds, timed};
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::peridyn::first_passage::rate as rate_of_breaking;
-use crate::problems::peridyn::network::{Network, lanes_of, rate};
-use crate::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
-use crate::problems::peridyn::one_bond::{BONDS, seen};
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::peridyn::first_passage::rate as rate_of_breaking;
+use reference_problems::peridyn::network::{Network, lanes_of, rate};
+use reference_problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
+use reference_problems::peridyn::one_bond::{BONDS, seen};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "peridyn",

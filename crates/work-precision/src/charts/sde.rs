@@ -14,13 +14,13 @@ use sde_integrators::{
     DiagonalNoise, Increment, Noise, Sra3, Sriw1, StateSpace, StepError, StrangOscillator,
 };
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::sde::damper::viscous_damper_at_rest;
-use crate::problems::sde::methods::{Method, additive, diagonal, follow, second_order};
-use crate::problems::sde::orders::{Errors, Failure, Outcome, Study, Target, attempt};
-use crate::problems::sde::problems::{Geometric, Populations, Sine};
-use crate::problems::sde::reference::Diffrax;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::sde::damper::viscous_damper_at_rest;
+use reference_problems::sde::methods::{Method, additive, diagonal, follow, second_order};
+use reference_problems::sde::orders::{Errors, Failure, Outcome, Study, Target, attempt};
+use reference_problems::sde::problems::{Geometric, Populations, Sine};
+use reference_problems::sde::reference::Diffrax;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "sde",

@@ -13,11 +13,11 @@ use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
 use uq_estimators::{ControlledSamples, SampledMoments, Surrogate};
 
 use super::fpk::{cost_in_seconds, group_thousands_u64, timed};
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::smpm::problems::{Problem, experiment};
-use crate::problems::smpm::schemes::Shock;
-use crate::quantile::quantile;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::quantile::quantile;
+use reference_problems::smpm::problems::{Problem, experiment};
+use reference_problems::smpm::schemes::Shock;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm",

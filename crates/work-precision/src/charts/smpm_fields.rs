@@ -7,9 +7,9 @@ use scenes::machine::Machine;
 use smpm::uncertainty::Study;
 use smpm::{Body, Quantity, Simulation};
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::smpm::problems::{Problem, experiment};
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-fields",

@@ -20,10 +20,10 @@ use vibrating_systems::{ViscousDamper, ViscousDamperParameters};
 
 use super::axes::{linear, logarithmic, words};
 use super::{Panel, Work};
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::fpk::oscillator::Oscillator;
-use crate::problems::fpk::problem::Problem;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::Problem;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "fpk",

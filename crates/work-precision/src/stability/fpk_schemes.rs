@@ -10,8 +10,8 @@ use result_figures::{Drawing, Scale};
 use super::axes::{logarithmic, words};
 use super::fpk::{Damper, FINE, MOST_STEPS, TIME, TOLERANCE, drawn, odd};
 use super::{Panel, Work};
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
+use reference_problems::context::{CaseError, Context, Profile};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "fpk-schemes",

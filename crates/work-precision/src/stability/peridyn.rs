@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use result_figures::CurvePoint;
 use scenes::causes::with_causes;
 
-use crate::context::CaseError;
+use reference_problems::context::CaseError;
 
 /// A point of a curve, or the reason why it is missing.
 fn point(x: f64, found: Result<f64, CaseError>) -> CurvePoint {

@@ -8,8 +8,8 @@ mod shock;
 
 use result_figures::Drawing;
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
+use reference_problems::context::{CaseError, Context, Profile};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "smpm",

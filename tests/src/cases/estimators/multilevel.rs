@@ -1,5 +1,7 @@
 //! Multilevel Monte Carlo: cost against tolerance.
 
+use reference_problems::order;
+use reference_problems::sde::damper::viscous_damper_at_rest;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Observable, StateSpace, StrangOscillator, simulate,
@@ -8,8 +10,6 @@ use uq_estimators::{
     Bias, Ladder, Multilevel, MultilevelResult, PathLadder, Statistic, Target, Tolerance,
 };
 use vibrating_systems::GeometricBrownianMotion;
-use work_precision::order;
-use work_precision::problems::sde::damper::viscous_damper_at_rest;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

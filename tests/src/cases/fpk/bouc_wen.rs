@@ -4,14 +4,14 @@ use fpk_sph::observables::Probability;
 use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping, Simulation,
 };
+use reference_problems::fpk::methods::BOUC_WEN_LATTICE;
+use reference_problems::fpk::reference::ReferenceTable;
 use result_figures::ErrorKind;
 use scenes::clock::CpuClock;
 use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::GaussianMixture;
 use vibrating_systems::BoucWen;
-use work_precision::problems::fpk::methods::BOUC_WEN_LATTICE;
-use work_precision::problems::fpk::reference::ReferenceTable;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
 use super::{scene, worst};

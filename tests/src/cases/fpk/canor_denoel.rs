@@ -1,9 +1,9 @@
 //! The paper's method as printed, on both oscillators: reproduced, with its errors.
 
+use reference_problems::fpk::methods::papers_config;
+use reference_problems::fpk::problem::Problem;
 use result_figures::Measured;
 use scenes::fpk::density::DensityRun;
-use work_precision::problems::fpk::methods::papers_config;
-use work_precision::problems::fpk::problem::Problem;
 
 use super::{ExceedanceEstimator, Judge, asked};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,11 +1,11 @@
 //! The error that a refinement states against the error that it makes: the effectivity index.
 
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
+use reference_problems::fpk::reference::ReferenceTable;
 use result_figures::Reference;
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::GeometricBrownianMotion;
-use work_precision::problems::fpk::reference::ReferenceTable;
 
 use super::scene;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

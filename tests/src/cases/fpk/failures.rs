@@ -1,8 +1,8 @@
 //! Where the method leaves its range it says so.
 
 use fpk_sph::{Combination, Config, Error, Method};
+use reference_problems::fpk::problem::Problem;
 use result_figures::Measured;
-use work_precision::problems::fpk::problem::Problem;
 
 use super::asked;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -20,7 +20,7 @@ pub(crate) const CASE: Case = Case {
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let period = problem.system.period();
-    let paper = work_precision::problems::fpk::methods::papers_config(period);
+    let paper = reference_problems::fpk::methods::papers_config(period);
     let narrow = Combination { support_over_spacing: 1.5, ..Method::CanorDenoel2013.combination() };
     Ok(vec![ended(
         context,

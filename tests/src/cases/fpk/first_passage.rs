@@ -2,6 +2,10 @@
 
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound, Probability};
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
+use reference_problems::fpk::linear_moments::linear_moments;
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::{Problem, bouc_wen};
+use reference_problems::fpk::reference::ReferenceTable;
 use result_figures::{ErrorKind, Reference};
 use scenes::clock::CpuClock;
 use sde_integrators::{
@@ -9,10 +13,6 @@ use sde_integrators::{
     maxima, simulate,
 };
 use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
-use work_precision::problems::fpk::linear_moments::linear_moments;
-use work_precision::problems::fpk::oscillator::Oscillator;
-use work_precision::problems::fpk::problem::{Problem, bouc_wen};
-use work_precision::problems::fpk::reference::ReferenceTable;
 
 use super::worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,13 +1,13 @@
 //! A mixture of two Gaussians in the linear oscillator: not Gaussian, and known exactly at all times.
 
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Simulation};
+use reference_problems::fpk::mixture::{MixtureLaw, mixture_laws};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::Problem;
+use reference_problems::order;
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::estimate;
 use sde_integrators::{GaussianComponent, GaussianMixture, Sde};
-use work_precision::order;
-use work_precision::problems::fpk::mixture::{MixtureLaw, mixture_laws};
-use work_precision::problems::fpk::oscillator::Oscillator;
-use work_precision::problems::fpk::problem::Problem;
 
 use super::worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

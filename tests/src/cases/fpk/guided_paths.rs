@@ -3,14 +3,14 @@
 use random_vibration::{
     Estimate, GuidedConfig, GuidedEstimate, GuidedPaths, TailError, Tails, upper_tail,
 };
+use reference_problems::fpk::linear_moments::linear_moments;
+use reference_problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::{Problem, bouc_wen};
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::paths::{Paths, PathsError};
 use sde_integrators::{Between, GaussianMixture, Response, Side};
 use vibrating_systems::ViscousDamper;
-use work_precision::problems::fpk::linear_moments::linear_moments;
-use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
-use work_precision::problems::fpk::oscillator::Oscillator;
-use work_precision::problems::fpk::problem::{Problem, bouc_wen};
 
 use super::invariance::over_threads;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,10 +1,10 @@
 //! Same bits whatever the number of threads, and after a restart.
 
 use fpk_sph::{Config, Simulation};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::Problem;
 use scenes::fpk::monte_carlo::Sampling;
 use sde_integrators::Sde;
-use work_precision::problems::fpk::oscillator::Oscillator;
-use work_precision::problems::fpk::problem::Problem;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;

@@ -1,14 +1,14 @@
 //! Densities that are known: a double well, and processes with multiplicative noise.
 
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
+use reference_problems::fpk::reference::BistableReference;
+use reference_problems::order;
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::{
     Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
     GeometricBrownianMotion,
 };
-use work_precision::order;
-use work_precision::problems::fpk::reference::BistableReference;
 
 use super::worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

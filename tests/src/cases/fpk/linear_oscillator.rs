@@ -1,10 +1,10 @@
 //! The linear oscillator, whose answer is exact.
 
 use fpk_sph::{Config, Simulation};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::Problem;
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{DensityRun, Row, estimate, run_on};
-use work_precision::problems::fpk::oscillator::Oscillator;
-use work_precision::problems::fpk::problem::Problem;
 
 use super::{ExceedanceEstimator, Judge, asked};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

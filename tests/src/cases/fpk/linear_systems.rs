@@ -1,13 +1,13 @@
 //! Linear systems of one to four states, whose law is Gaussian at all times, by the flow-map fit.
 
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use reference_problems::fpk::linear_moments::{NormalLaw, linear_moments};
+use reference_problems::fpk::methods::KANAI_TAJIMI_LATTICE;
 use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
-use work_precision::problems::fpk::linear_moments::{NormalLaw, linear_moments};
-use work_precision::problems::fpk::methods::KANAI_TAJIMI_LATTICE;
 
 use super::{row, scene, worst};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

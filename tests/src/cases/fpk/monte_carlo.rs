@@ -1,9 +1,8 @@
 //! The rival: Monte Carlo on the same declarations.
 
+use reference_problems::fpk::problem::Problem;
 use result_figures::{ErrorKind, Measured};
 use scenes::fpk::monte_carlo::{SampledRun, Sampling};
-use work_precision::charts;
-use work_precision::problems::fpk::problem::Problem;
 
 use super::{POWERS, asked, moment_words};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -35,26 +34,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let euler = Sampling { paths: euler_paths, step: 0.0025, seed: 2 };
         claims.push(euler_claim(context, (&problem, scene), &euler, euler_growth)?);
     }
-    if !is_quick {
-        show_cost(context)?;
-    }
     Ok(claims)
-}
-
-/// What each method got wrong and what it cost, on the page: the short ladders of the charts, on one thread.
-fn show_cost(context: &Context<'_>) -> Result<(), CaseError> {
-    let problem = Problem::viscous_damper()?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let drawings = pool
-        .install(|| charts::fpk::work_precision(context, &problem, "fpk-damper", Profile::Quick))?;
-    for (title, drawing) in
-        ["Error of E[q^2] against CPU time", "Error of P(|q| > 1) against CPU time"]
-            .into_iter()
-            .zip(drawings)
-    {
-        context.show_chart(title, drawing.into_svg().ok_or("a page and no picture")?);
-    }
-    Ok(())
 }
 
 fn words(integrator: &str, sampling: &Sampling, run: &SampledRun) -> String {

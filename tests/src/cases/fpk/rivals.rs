@@ -3,15 +3,15 @@
 use random_vibration::{
     GridConfig, GridDensity, Linearisation, Quadrature, SubsetConfig, TailPaths,
 };
+use reference_problems::fpk::linear_moments::linear_moments;
+use reference_problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::{Problem, bouc_wen, duffing};
+use reference_problems::fpk::reference::DuffingReference;
+use reference_problems::order;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Additive, GaussianMixture, Sde, StrangOscillator};
 use vibrating_systems::{BoucWen, Duffing, LinearOscillator};
-use work_precision::order;
-use work_precision::problems::fpk::linear_moments::linear_moments;
-use work_precision::problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
-use work_precision::problems::fpk::oscillator::Oscillator;
-use work_precision::problems::fpk::problem::{Problem, bouc_wen, duffing};
-use work_precision::problems::fpk::reference::DuffingReference;
 
 use super::{moment_words, worst};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

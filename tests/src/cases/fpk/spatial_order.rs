@@ -1,10 +1,10 @@
 //! The order in which the error falls with the spacing of the particles.
 
 use fpk_sph::{Combination, Config, Estimator, InitialLattice, Method, Metric, Scheme, StepRule};
+use reference_problems::fpk::problem::Problem;
+use reference_problems::order;
 use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Asked, Demand};
-use work_precision::order;
-use work_precision::problems::fpk::problem::Problem;
 
 use super::{POWERS, index_of};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -73,7 +73,7 @@ fn config(problem: &Problem, n: usize) -> Config<2> {
     Config {
         method: Method::Custom(combination),
         lattice: InitialLattice::Box { reach: PAPERS_REACH, count: [n, n] },
-        ..work_precision::problems::fpk::methods::papers_config(problem.system.period())
+        ..reference_problems::fpk::methods::papers_config(problem.system.period())
     }
 }
 

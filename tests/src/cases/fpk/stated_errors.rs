@@ -1,10 +1,10 @@
 //! The error that a run of a scene states against the error that it makes: second moments, and probabilities integrated over cells.
 
+use reference_problems::fpk::reference::ReferenceTable;
 use result_figures::Reference;
 use scenes::fpk::scene::FpkScene;
 use scenes::{Options, SceneFile};
 use serde_json::{Value, json};
-use work_precision::problems::fpk::reference::ReferenceTable;
 
 use super::conditioned::Derived;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -3,10 +3,10 @@
 use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Scheme, Simulation,
 };
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::{Problem, bouc_wen};
 use result_figures::ErrorKind;
 use vibrating_systems::ViscousDamper;
-use work_precision::problems::fpk::oscillator::Oscillator;
-use work_precision::problems::fpk::problem::{Problem, bouc_wen};
 
 use super::worst;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,9 +1,8 @@
 //! The building with a viscous damper of the paper's section 4.1.
 
 use fpk_sph::{Config, Error, Method, Remapping};
+use reference_problems::fpk::problem::Problem;
 use result_figures::Measured;
-use work_precision::charts;
-use work_precision::problems::fpk::problem::Problem;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
 use super::{ExceedanceEstimator, Judge, asked};
@@ -51,9 +50,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let within = |tolerance| Criterion::Within { tolerance, reason };
     let tail = "truncation of the fit and a limit taken as linear in a part of a cell, also on the slow manifold";
     let tail = Criterion::Within { tolerance: 0.02, reason: tail };
-    let drawing = charts::fpk::exceedance(context, &problem, "fpk-damper")?;
-    let svg = drawing.into_svg().ok_or("a page and no picture")?;
-    context.show_chart("Probability of exceedance over time", svg);
     Ok(vec![
         judge.worst_moment([2, 0], &times, within(1.5e-3))?,
         judge.worst_moment([0, 2], &times, within(1.5e-3))?,

@@ -1,13 +1,13 @@
 //! Plates in noise and without load: how many bonds break, by step and by temperature.
 
 use peridyn_sde::Scheme;
-use result_figures::{ErrorKind, Reference};
-use work_precision::problems::peridyn::background::{
+use reference_problems::peridyn::background::{
     MOST_DEVIATIONS, broken, noise_of_bonds, rate_in_equilibrium, temperature,
 };
-use work_precision::problems::peridyn::first_passage::rate;
-use work_precision::problems::peridyn::network::Network;
-use work_precision::problems::peridyn::sample::mean;
+use reference_problems::peridyn::first_passage::rate;
+use reference_problems::peridyn::network::Network;
+use reference_problems::peridyn::sample::mean;
+use result_figures::{ErrorKind, Reference};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

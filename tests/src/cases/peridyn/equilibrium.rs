@@ -5,14 +5,12 @@ use peridyn_sde::{
     Breaking, CorrelatedMobility, Error, Mobility, Scheme, Simulation, SimulationConfig,
 };
 use random_fields::{Correlation, CorrelationFunction};
-use result_figures::{ErrorKind, Measured, Reference};
-use sde_integrators::Noise;
-use work_precision::problems::peridyn::network::{
-    Network, distance, foster, lanes, rate, stationary,
-};
-use work_precision::problems::peridyn::stationary::{
+use reference_problems::peridyn::network::{Network, distance, foster, lanes, rate, stationary};
+use reference_problems::peridyn::stationary::{
     TEMPERATURE, covariance_of_baoab, law_of, overdamped,
 };
+use result_figures::{ErrorKind, Measured, Reference};
+use sde_integrators::Noise;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

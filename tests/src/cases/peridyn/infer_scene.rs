@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use reference_problems::processes::outcome;
+use reference_problems::record::workspace;
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::checkpoint::Start;
 use scenes::crack_inference::measured::Measured as Plates;
@@ -11,8 +13,6 @@ use scenes::peridyn::scene_problem::CrackProblem;
 use scenes::{Options, SceneFile};
 use sde_integrators::{Noise, Purpose};
 use serde_json::{Value, json};
-use work_precision::processes::outcome;
-use work_precision::record::workspace;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

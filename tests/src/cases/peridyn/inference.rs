@@ -5,10 +5,10 @@ use crack_inference::{
     Posterior, Prior, SamplerConfig, Scale, Summaries, Verdict,
 };
 use peridyn_sde::statistics::{LoadSummary, SummaryConfig};
+use reference_problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 use result_figures::Measured;
 use scenes::crack_inference::measured::summaries;
 use sde_integrators::{Estimate, Noise, Purpose};
-use work_precision::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

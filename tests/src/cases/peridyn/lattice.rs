@@ -1,8 +1,8 @@
 //! What bonds on a lattice amount to: stiffness, strain energy, energy of a crack.
 
 use peridyn_sde::{Condition, Horizon, Influence, VolumeCorrection};
+use reference_problems::peridyn::lattice::{config, energy_of_crack, energy_of_middle};
 use serde_json::Value;
-use work_precision::problems::peridyn::lattice::{config, energy_of_crack, energy_of_middle};
 
 use super::rest::number;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,12 +1,12 @@
 //! Whether the scatter of cracks is that of the material or of the lattice: one horizon, other spacings, rotated lattices.
 
 use peridyn_sde::statistics::{Bootstrap, Interval};
-use result_figures::{ErrorKind, Measured, Reference};
-use sde_integrators::Noise;
-use work_precision::problems::peridyn::notched_plate::{
+use reference_problems::peridyn::notched_plate::{
     CORRELATION, Cause, NOTCH, NotchedPlate, StrengthLaw, Varies, three_shells,
 };
-use work_precision::problems::peridyn::sample::mean;
+use reference_problems::peridyn::sample::mean;
+use result_figures::{ErrorKind, Measured, Reference};
+use sde_integrators::Noise;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -2,8 +2,8 @@
 
 use peridyn_sde::BondLaw;
 use peridyn_sde::law::Memory;
+use reference_problems::peridyn::memory::{Wear, stepped};
 use serde_json::Value;
-use work_precision::problems::peridyn::memory::{Wear, stepped};
 
 use super::memory_body;
 use super::rest::{number, numbers};

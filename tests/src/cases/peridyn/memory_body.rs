@@ -6,8 +6,8 @@ use peridyn_sde::{
     Network, Nodes, Program, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
     VolumeCorrection,
 };
+use reference_problems::peridyn::network::Network as Springs;
 use sde_integrators::Noise;
-use work_precision::problems::peridyn::network::Network as Springs;
 
 use crate::case::{CaseError, Context};
 use crate::cases::lines::Lines;

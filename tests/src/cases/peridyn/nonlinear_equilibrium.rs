@@ -2,10 +2,10 @@
 
 use peridyn_sde::{CorrelatedMobility, Dynamics, Mobility, Scheme};
 use random_fields::{Correlation, CorrelationFunction};
-use result_figures::{ErrorKind, Measured, Reference};
-use work_precision::problems::peridyn::nonlinear::{
+use reference_problems::peridyn::nonlinear::{
     DoubleWell, Followed, GROUPS, Observable, expected, groups, sampled,
 };
+use result_figures::{ErrorKind, Measured, Reference};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

@@ -2,10 +2,10 @@
 
 use peridyn_sde::Scheme;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, Interval};
+use reference_problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
+use reference_problems::peridyn::sample::mean;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
-use work_precision::problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
-use work_precision::problems::peridyn::sample::mean;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

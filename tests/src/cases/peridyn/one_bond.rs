@@ -1,9 +1,9 @@
 //! One bond in noise: when it first comes to its strength.
 
 use peridyn_sde::{Breaking, Scheme};
+use reference_problems::peridyn::first_passage::{rate, rate_at_ends, rate_with_bridge};
+use reference_problems::peridyn::one_bond::{BONDS, seen};
 use result_figures::{ErrorKind, Reference};
-use work_precision::problems::peridyn::first_passage::{rate, rate_at_ends, rate_with_bridge};
-use work_precision::problems::peridyn::one_bond::{BONDS, seen};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -1,7 +1,7 @@
 //! A notched plate in quasi-static equilibrium against a slow explicit run: path of the crack, peak load, balance of energy.
 
 use peridyn_sde::EquilibriumConfig;
-use work_precision::problems::peridyn::slow_plate::{Pulled, SlowPlate};
+use reference_problems::peridyn::slow_plate::{Pulled, SlowPlate};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -6,9 +6,9 @@ use peridyn_sde::{
     Scheme, Simulation, SimulationConfig, SolidBonds, SolidList, Strain, SurfaceCorrection,
     VolumeCorrection,
 };
+use reference_problems::peridyn::network::{distance, stationary};
+use reference_problems::peridyn::stationary::{TEMPERATURE, averaged};
 use sde_integrators::{LaneNormals, Noise, Purpose};
-use work_precision::problems::peridyn::network::{distance, stationary};
-use work_precision::problems::peridyn::stationary::{TEMPERATURE, averaged};
 
 use crate::case::{CaseError, Context};
 use crate::cases::lines::Lines;

@@ -4,9 +4,9 @@ use peridyn_sde::{
     BondList, Bonds, Breaking, Dynamics, Fractured, Loading, Mobility, Nodes, Notch, PathConfig,
     Program, Scheme, Simulation, SimulationConfig, Strain, crack_path,
 };
+use reference_problems::peridyn::sample::mean;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
-use work_precision::problems::peridyn::sample::mean;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -1,12 +1,12 @@
 //! Where Euler-Maruyama explodes on `dX = -X^3 dt + sigma dB`, and how the library says so.
 
+use reference_problems::sde::problems::Cubic;
+use reference_problems::sde::reference::Explosion as Survey;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Increment, Integrator, Noise, Observable, Shark, SimdLevel,
     StochasticTheta, Study,
 };
-use work_precision::problems::sde::problems::Cubic;
-use work_precision::problems::sde::reference::Explosion as Survey;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

@@ -1,13 +1,13 @@
 //! Mean-square stability on `dX = l X dt + m X dB`: the amplification of one step by quadrature, never by sampling.
 
+use reference_problems::sde::problems::Geometric;
+use reference_problems::sde::reference::MeanSquare;
+use reference_problems::sde::stability::{Formula, boundary, formula_boundary};
 use result_figures::ErrorKind;
 use sde_integrators::{
     DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, ItoForm, Milstein, Sde,
     StochasticTheta, StratonovichForm, StratonovichSde,
 };
-use work_precision::problems::sde::problems::Geometric;
-use work_precision::problems::sde::reference::MeanSquare;
-use work_precision::problems::sde::stability::{Formula, boundary, formula_boundary};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::report::Claim;
@@ -143,7 +143,7 @@ fn amplification_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
     for (formula, dt) in [0.1, 0.25, 0.4].into_iter().flat_map(|dt| {
         [Formula::Theta(0.0), Formula::Milstein, Formula::Heun].map(|formula| (formula, dt))
     }) {
-        let measured = work_precision::problems::sde::stability::amplification_of(
+        let measured = reference_problems::sde::stability::amplification_of(
             formula,
             -3.0,
             3.0_f64.sqrt(),
@@ -172,7 +172,7 @@ fn unlimited_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
                 let (l, m) = (-1.0, (2.0_f64 * ray).sqrt());
                 let formula = Formula::Theta(theta);
                 let measured =
-                    work_precision::problems::sde::stability::amplification_of(formula, l, m, dt)?;
+                    reference_problems::sde::stability::amplification_of(formula, l, m, dt)?;
                 let is_stable = measured <= 1.0 + 1e-9;
                 unstable += usize::from(!is_stable);
                 all += 1;

@@ -1,15 +1,15 @@
 //! Strong, weak and noise-free orders of every method of the tables.
 
-use result_figures::{ErrorKind, Measured, Reference};
-use sde_integrators::{DiagonalNoise, Increment, Shark, Sra3, Sriw1, StateSpace};
-use work_precision::order;
-use work_precision::problems::sde::linear::StepMap;
-use work_precision::problems::sde::methods::{Method, additive, diagonal, follow, second_order};
-use work_precision::problems::sde::orders::{Errors, Level, Outcome, Study, measure};
-use work_precision::problems::sde::problems::{
+use reference_problems::order;
+use reference_problems::sde::linear::StepMap;
+use reference_problems::sde::methods::{Method, additive, diagonal, follow, second_order};
+use reference_problems::sde::orders::{Errors, Level, Outcome, Study, measure};
+use reference_problems::sde::problems::{
     Ageing, Duffing, Geometric, HyperbolicSine, Oscillator, Populations, Sine,
 };
-use work_precision::problems::sde::quadrature::{expectation, gauss_hermite};
+use reference_problems::sde::quadrature::{expectation, gauss_hermite};
+use result_figures::{ErrorKind, Measured, Reference};
+use sde_integrators::{DiagonalNoise, Increment, Shark, Sra3, Sriw1, StateSpace};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

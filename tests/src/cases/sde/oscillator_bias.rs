@@ -1,12 +1,12 @@
 //! The bias of `E[q^2]` of the oscillator with a viscous damper against the step length, by coupled differences.
 
+use reference_problems::sde::damper::viscous_damper_at_rest;
+use reference_problems::sde::methods::{Method, follow, method};
+use reference_problems::sde::orders::{Level, Study, measure};
+use reference_problems::sde::reference::OscillatorBias;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{EulerMaruyama, Increment, SemiImplicitEuler, Shark, StrangOscillator};
 use vibrating_systems::ViscousDamper;
-use work_precision::problems::sde::damper::viscous_damper_at_rest;
-use work_precision::problems::sde::methods::{Method, follow, method};
-use work_precision::problems::sde::orders::{Level, Study, measure};
-use work_precision::problems::sde::reference::OscillatorBias;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

@@ -1,6 +1,7 @@
 //! Ensembles of the paper's oscillator with viscous damper against an independent code; and proof that the comparison
 //! can fail: with a constant changed, it does.
 
+use reference_problems::sde::reference::OscillatorEnsemble;
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
     EnsembleConfig, GaussianMixture, Integrator, Observable, SecondOrder, SemiImplicitEuler,
@@ -9,7 +10,6 @@ use sde_integrators::{
 use vibrating_systems::{
     LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
-use work_precision::problems::sde::reference::OscillatorEnsemble;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::sde_ensembles::sampled;

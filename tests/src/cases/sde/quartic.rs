@@ -1,11 +1,11 @@
 //! The stationary law of `dX = -X^3 dt + sqrt(2) dB` under each method, by iterating its transition operator: no
 //! sampling.
 
+use reference_problems::order;
+use reference_problems::sde::problems::Cubic;
+use reference_problems::sde::quadrature::{expectation, gauss_hermite};
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{EulerMaruyama, Increment, Integrator, Shark, StepError, StochasticTheta};
-use work_precision::order;
-use work_precision::problems::sde::problems::Cubic;
-use work_precision::problems::sde::quadrature::{expectation, gauss_hermite};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;

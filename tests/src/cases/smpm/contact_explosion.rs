@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use perturbation_moments::{Moments, MonteCarlo};
+use reference_problems::quantile::quantile;
+use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::reading::MOST_RANDOM;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Propagated, Sampled, Study};
 use smpm::{Plan, Quantity};
-use work_precision::problems::smpm::problems::{Problem, experiment};
-use work_precision::quantile::quantile;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

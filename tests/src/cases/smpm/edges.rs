@@ -1,10 +1,10 @@
 //! The explosions in 28 x 24 cm against larger and clamped ones: when a gauge first depends on the edges.
 
+use reference_problems::smpm::problems::{Problem, experiment};
+use reference_problems::smpm::published::{clamp, widen};
 use scenes::smpm::scene::SmpmScene;
 use smpm::Simulation;
 use smpm::uncertainty::{Experiment, Study};
-use work_precision::problems::smpm::problems::{Problem, experiment};
-use work_precision::problems::smpm::published::{clamp, widen};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -4,13 +4,13 @@
 use std::path::Path;
 
 use rayon::ThreadPoolBuilder;
+use reference_problems::smpm::problems::Problem;
 use result_figures::{ErrorKind, Measured, Reference};
 use scenes::checkpoint::Start;
 use scenes::smpm::method_scene::{MethodScene, MultilevelScene};
 use scenes::smpm::scene::SmpmScene;
 use scenes::{Options, SceneFile};
 use serde_json::Value;
-use work_precision::problems::smpm::problems::Problem;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -1,10 +1,10 @@
 //! The second example of Chen et al. 2019 with as many particles as there: the same values as the built-in scene, and its cost.
 
+use reference_problems::smpm::problems::experiment;
+use reference_problems::smpm::published::{scene_as_printed, widen};
 use scenes::clock::CpuClock;
 use scenes::smpm::reading::MOST_RANDOM;
 use smpm::uncertainty::Study;
-use work_precision::problems::smpm::problems::experiment;
-use work_precision::problems::smpm::published::{scene_as_printed, widen};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

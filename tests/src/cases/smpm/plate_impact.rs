@@ -1,9 +1,9 @@
 //! A plane shock: its state and the variance of its pressure, exact by the Hugoniot.
 
+use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
 use smpm::uncertainty::{FrozenForm, Study};
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -1,6 +1,6 @@
 //! All values of Tables 6 to 8 of Chen et al. 2019 beside ours, at one time.
 
-use work_precision::problems::smpm::published::{
+use reference_problems::smpm::published::{
     MeanAndVariance, PrintedRow, Solved, TABLES, by_series, one_time, printed,
 };
 

@@ -4,11 +4,11 @@
 use std::collections::BTreeMap;
 
 use perturbation_moments::{Estimate, MonteCarlo};
+use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{FieldMoments, FieldStudy, Sampled};
 use smpm::{Error, Plan};
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -3,6 +3,7 @@
 mod factor;
 mod setup;
 
+use reference_problems::smpm::problems::{Problem, experiment};
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Estimate, normal_probability};
 use serde::Deserialize;
@@ -10,7 +11,6 @@ use smpm::uncertainty::FieldStudy;
 use uq_estimators::{
     Bias, Failure, Levels, Multilevel, MultilevelResult, Statistic, Target, Tolerance,
 };
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use self::setup::{Realisations, Setup};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

@@ -1,7 +1,7 @@
 //! What of the contact explosion converges with the cell, and what does not at the cell of the paper.
 
+use reference_problems::smpm::problems::{Problem, experiment};
 use smpm::uncertainty::Experiment;
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

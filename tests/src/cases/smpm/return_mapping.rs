@@ -1,10 +1,10 @@
 //! The radial return of von Mises plasticity against closed forms: one direction, the opposite one, a right angle.
 
 use perturbation_moments::{Jet, Scalar};
+use reference_problems::order;
 use result_figures::{ErrorKind, Reference};
 use smpm::Number;
 use smpm::material::{Now, Strength, VonMises, VonMisesParameters, VonMisesState};
-use work_precision::order;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -1,11 +1,11 @@
 //! Explosion with random steel at Sobol' points: variance by few runs, and which constant causes it.
 
+use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::reading::MOST_RANDOM;
 use smpm::Plan;
 use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Estimate, PolynomialMoments, Sampling, SobolIndices, UnitCube};
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

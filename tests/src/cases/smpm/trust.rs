@@ -1,8 +1,8 @@
 //! Whether the indicators of a Taylor series say when to believe it: all responses of the two explosions.
 
+use reference_problems::quantile::quantile;
+use reference_problems::smpm::problems::Problem;
 use smpm::uncertainty::Switch;
-use work_precision::problems::smpm::problems::Problem;
-use work_precision::quantile::quantile;
 
 use super::contact_explosion::solved;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};

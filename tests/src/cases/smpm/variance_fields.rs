@@ -1,10 +1,10 @@
 //! The fields of the standard deviation over a plate, at ten of its particles, against sampled runs.
 
 use perturbation_moments::MonteCarlo;
+use reference_problems::quantile::quantile;
+use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::scene::GaugeScene;
 use smpm::uncertainty::{Study, Switch};
-use work_precision::problems::smpm::problems::{Problem, experiment};
-use work_precision::quantile::quantile;
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;

@@ -122,7 +122,7 @@ fn recorded_page_for_the_eye() {
     };
     let Ok(report) = std::fs::read_to_string(folder.join("report.json")) else { return };
     let report: Report = serde_json::from_str(&report).unwrap();
-    let root = work_precision::record::workspace();
+    let root = reference_problems::record::workspace();
     let fingerprint = Fingerprint::read(&root, &[], report.profile).unwrap();
     std::fs::write(folder.join("verification.md"), render_record(&report, &fingerprint)).unwrap();
 }

@@ -6,7 +6,7 @@ use scenes::machine::Machine;
 
 use crate::charts::fpk::cost_in_seconds;
 use crate::charts::smpm::table;
-use crate::context::CaseError;
+use reference_problems::context::CaseError;
 
 /// Runs of a method at one size: the label of the size, and a run with a seed, which returns relative errors.
 pub(super) struct Size<'a> {

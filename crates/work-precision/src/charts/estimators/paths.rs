@@ -8,8 +8,8 @@ use uq_estimators::{Bias, Multilevel, PathLadder, Statistic, Target, Tolerance};
 use vibrating_systems::GeometricBrownianMotion;
 
 use super::measured::{Size, drawing, method};
-use crate::context::{CaseError, Context, Profile};
-use crate::problems::sde::damper::viscous_damper_at_rest;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::sde::damper::viscous_damper_at_rest;
 
 /// Growth and volatility of the geometric Brownian motion, from 1 to time 1.
 const GROWTH: [f64; 2] = [1.0, 0.5];

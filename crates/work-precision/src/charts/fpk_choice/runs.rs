@@ -17,7 +17,7 @@ use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, Subs
 
 use super::records::{Outcome, Quantity, Record, Scene};
 use crate::charts::fpk::{group_thousands_u64, timed};
-use crate::context::{CaseError, Context, Profile};
+use reference_problems::context::{CaseError, Context, Profile};
 
 /// A scheme, its fewest steps per period, the part of the second moments whose cells its limit leaves out, and settling.
 type Steps = (Scheme, f64, f64, Settling);

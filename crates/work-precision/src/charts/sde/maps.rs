@@ -3,8 +3,10 @@
 use result_figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 use sde_integrators::Sriw1;
 
-use crate::context::CaseError;
-use crate::problems::sde::stability::{Formula, boundary, formula_boundary, measured_boundary, of};
+use reference_problems::context::CaseError;
+use reference_problems::sde::stability::{
+    Formula, boundary, formula_boundary, measured_boundary, of,
+};
 
 /// Largest stable step over the noise strength: formula as a line, quadrature over a step as points.
 pub(super) fn mean_square() -> Result<Drawing, CaseError> {
@@ -53,7 +55,7 @@ pub(super) fn mean_square() -> Result<Drawing, CaseError> {
 
 /// Largest stable step of a linear oscillator over its damping ratio.
 pub(super) fn oscillator() -> Result<Drawing, CaseError> {
-    use crate::problems::sde::oscillator_limits as limits;
+    use reference_problems::sde::oscillator_limits as limits;
     let ratio = |k: i32| 0.01 + 0.0245 * f64::from(k);
     let lines = limits::METHODS
         .iter()

@@ -7,10 +7,10 @@ use peridyn_sde::{
 use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
 use super::point;
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::peridyn::lattice::{MODULUS, energy_of_middle};
 use crate::stability::axes::linear;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::peridyn::lattice::{MODULUS, energy_of_middle};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-horizon",

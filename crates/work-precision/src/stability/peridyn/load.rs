@@ -8,8 +8,8 @@ use peridyn_sde::{
 use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use sde_integrators::Noise;
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
+use reference_problems::context::{CaseError, Context, Profile};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-load",

@@ -3,14 +3,14 @@
 use peridyn_sde::Scheme;
 use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::peridyn::background::{
+use crate::stability::axes::linear;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::peridyn::background::{
     BondNoise, LANES, MOST_DEVIATIONS, broken, noise_of_bonds, temperature,
 };
-use crate::problems::peridyn::first_passage::rate;
-use crate::problems::peridyn::network::Network;
-use crate::stability::axes::linear;
+use reference_problems::peridyn::first_passage::rate;
+use reference_problems::peridyn::network::Network;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-noise",

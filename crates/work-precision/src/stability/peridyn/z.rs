@@ -4,11 +4,13 @@ use peridyn_sde::{Mobility, Scheme};
 use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 
 use super::{modes, point};
-use crate::context::{CaseError, Context, Profile};
 use crate::draw::ChartKind;
-use crate::problems::peridyn::network::{Network, rate};
-use crate::problems::peridyn::stationary::{TEMPERATURE, covariance_of_baoab, law_of, overdamped};
 use crate::stability::axes::logarithmic;
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::peridyn::network::{Network, rate};
+use reference_problems::peridyn::stationary::{
+    TEMPERATURE, covariance_of_baoab, law_of, overdamped,
+};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-z",

@@ -10,8 +10,8 @@ use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 use smpm::Error;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
 
-use crate::context::{CaseError, Context, Profile};
-use crate::problems::smpm::problems::{Problem, experiment};
+use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::smpm::problems::{Problem, experiment};
 
 /// Ratio of curvature to slope above which the variance of a Taylor series is not reliable.
 const TRUSTED: f64 = 0.03;

@@ -4,7 +4,7 @@ use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{Body, Config, Fill, Shape, Simulation, Transfer};
 
-use crate::context::CaseError;
+use reference_problems::context::CaseError;
 
 const SHAPES: [(Shape, &str); 2] =
     [(Shape::QuadraticBSpline, "quadratic"), (Shape::CubicBSpline, "cubic")];

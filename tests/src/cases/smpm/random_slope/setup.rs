@@ -1,6 +1,7 @@
 //! The built-in slope under growing weight: what a run changes of it, and its factor of safety.
 
 use perturbation_moments::MonteCarlo;
+use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::material_scene::StrengthScene;
 use scenes::smpm::method_scene::MethodScene;
@@ -8,7 +9,6 @@ use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Simulation;
 use smpm::uncertainty::{Experiment, FieldExperiment};
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use super::factor::Slide;
 use crate::case::CaseError;

@@ -1,11 +1,11 @@
 //! A bar that runs into a wall: its run and its shape.
 
+use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::material_scene::MaterialScene;
 use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Body;
 use smpm::uncertainty::Experiment;
-use work_precision::problems::smpm::problems::{Problem, experiment};
 
 use crate::case::CaseError;
 

@@ -85,6 +85,14 @@ impl Recording {
         Ok(Self::On(root))
     }
 
+    /// The recording that a flag requests, if it is allowed.
+    ///
+    /// # Errors
+    /// Those of [`on`](Self::on).
+    pub fn requested(is_asked: bool, profile: Profile) -> Result<Self, RecordError> {
+        if is_asked { Self::on(profile) } else { Ok(Self::Off) }
+    }
+
     /// The folder for pictures.
     #[must_use]
     pub fn charts(&self) -> Option<PathBuf> {

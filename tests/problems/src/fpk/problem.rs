@@ -32,7 +32,7 @@ impl Problem {
     /// # Errors
     /// Those of the scene and of the reference data.
     pub fn linear_oscillator() -> Result<Self, CaseError> {
-        let text = include_str!("../../../../../tests/scenes/fpk/linear_oscillator.json");
+        let text = include_str!("../../../../tests/scenes/fpk/linear_oscillator.json");
         Self::new(
             "tests/scenes/fpk/linear_oscillator.json",
             text,
@@ -45,7 +45,7 @@ impl Problem {
     /// # Errors
     /// Those of the scene and of the reference data.
     pub fn viscous_damper() -> Result<Self, CaseError> {
-        let text = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
+        let text = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
         Self::new("tests/scenes/fpk/viscous_damper.json", text, ReferenceTable::viscous_damper()?)
     }
 
@@ -127,7 +127,7 @@ fn picked<S, const D: usize>(
 /// # Errors
 /// Those of the scene and of the reference data.
 pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseError> {
-    let text = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+    let text = include_str!("../../../../tests/scenes/fpk/bouc_wen.json");
     let (system, law) = picked("tests/scenes/fpk/bouc_wen.json", text, |system| match system {
         System::BoucWen(system) => Some(system),
         _ => None,
@@ -140,7 +140,7 @@ pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseE
 /// # Errors
 /// Those of the scene.
 pub fn duffing() -> Result<(Duffing, GaussianMixture<2>), CaseError> {
-    let text = include_str!("../../../../../tests/scenes/fpk/duffing.json");
+    let text = include_str!("../../../../tests/scenes/fpk/duffing.json");
     picked("tests/scenes/fpk/duffing.json", text, |system| match system {
         System::Duffing(system) => Some(system),
         _ => None,
@@ -156,7 +156,7 @@ pub type ShakenOscillator = Filtered<LinearOscillator, 2, 2>;
 /// # Errors
 /// Those of the scene.
 pub fn kanai_tajimi() -> Result<(ShakenOscillator, GaussianMixture<4>), CaseError> {
-    let text = include_str!("../../../../../tests/scenes/fpk/kanai_tajimi.json");
+    let text = include_str!("../../../../tests/scenes/fpk/kanai_tajimi.json");
     picked("tests/scenes/fpk/kanai_tajimi.json", text, |system| match system {
         System::KanaiTajimiLinear(system) => Some(system),
         _ => None,

@@ -72,14 +72,14 @@ impl ExceedanceSurface {
 
 fn file() -> Result<File, CaseError> {
     Ok(serde_json::from_str(include_str!(
-        "../../../../../tests/reference/derived/fpk/exceedance_surfaces.json"
+        "../../../../tests/reference/derived/fpk/exceedance_surfaces.json"
     ))?)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problems::fpk::reference::ReferenceTable;
+    use crate::fpk::reference::ReferenceTable;
 
     /// Other programs, and other methods, at common times and thresholds; both errors are one standard deviation at most.
     #[test]

@@ -33,39 +33,39 @@ impl Problem {
         match self {
             Self::PlateImpact => (
                 "tests/scenes/smpm/plate_impact.json",
-                include_str!("../../../../../tests/scenes/smpm/plate_impact.json"),
+                include_str!("../../../../tests/scenes/smpm/plate_impact.json"),
             ),
             Self::ContactExplosion => (
                 "tests/scenes/smpm/contact_explosion.json",
-                include_str!("../../../../../tests/scenes/smpm/contact_explosion.json"),
+                include_str!("../../../../tests/scenes/smpm/contact_explosion.json"),
             ),
             Self::ThickPlate => (
                 "tests/scenes/smpm/contact_explosion_thick.json",
-                include_str!("../../../../../tests/scenes/smpm/contact_explosion_thick.json"),
+                include_str!("../../../../tests/scenes/smpm/contact_explosion_thick.json"),
             ),
             Self::TaylorBar => (
                 "tests/scenes/smpm/taylor_bar.json",
-                include_str!("../../../../../tests/scenes/smpm/taylor_bar.json"),
+                include_str!("../../../../tests/scenes/smpm/taylor_bar.json"),
             ),
             Self::TaylorBarQuarter => (
                 "tests/scenes/smpm/taylor_bar_quarter.json",
-                include_str!("../../../../../tests/scenes/smpm/taylor_bar_quarter.json"),
+                include_str!("../../../../tests/scenes/smpm/taylor_bar_quarter.json"),
             ),
             Self::RandomColumn => (
                 "tests/scenes/smpm/random_column.json",
-                include_str!("../../../../../tests/scenes/smpm/random_column.json"),
+                include_str!("../../../../tests/scenes/smpm/random_column.json"),
             ),
             Self::RandomPlate => (
                 "tests/scenes/smpm/random_plate.json",
-                include_str!("../../../../../tests/scenes/smpm/random_plate.json"),
+                include_str!("../../../../tests/scenes/smpm/random_plate.json"),
             ),
             Self::RandomTaylorBar => (
                 "tests/scenes/smpm/random_taylor_bar.json",
-                include_str!("../../../../../tests/scenes/smpm/random_taylor_bar.json"),
+                include_str!("../../../../tests/scenes/smpm/random_taylor_bar.json"),
             ),
             Self::RandomSlope => (
                 "tests/scenes/smpm/random_slope.json",
-                include_str!("../../../../../tests/scenes/smpm/random_slope.json"),
+                include_str!("../../../../tests/scenes/smpm/random_slope.json"),
             ),
         }
     }

@@ -84,8 +84,8 @@ impl MixtureLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problems::fpk::oscillator::Oscillator;
-    use crate::problems::fpk::problem::Problem;
+    use crate::fpk::oscillator::Oscillator;
+    use crate::fpk::problem::Problem;
 
     #[test]
     fn moments_and_tails_are_those_of_its_density() {

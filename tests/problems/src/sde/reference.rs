@@ -25,7 +25,7 @@ impl MeanSquare {
     /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         let text =
-            include_str!("../../../../../tests/reference/derived/sde/mean_square_stability.json");
+            include_str!("../../../../tests/reference/derived/sde/mean_square_stability.json");
         Ok(serde_json::from_str(text)?)
     }
 }
@@ -47,7 +47,7 @@ impl Explosion {
     /// # Errors
     /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
-        let text = include_str!("../../../../../tests/reference/derived/sde/explosion.json");
+        let text = include_str!("../../../../tests/reference/derived/sde/explosion.json");
         Ok(serde_json::from_str(text)?)
     }
 }
@@ -65,7 +65,7 @@ impl OscillatorBias {
     /// # Errors
     /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
-        let text = include_str!("../../../../../tests/reference/derived/sde/oscillator_bias.json");
+        let text = include_str!("../../../../tests/reference/derived/sde/oscillator_bias.json");
         Ok(serde_json::from_str(text)?)
     }
 }
@@ -85,8 +85,7 @@ impl OscillatorEnsemble {
     /// # Errors
     /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
-        let text =
-            include_str!("../../../../../tests/reference/derived/sde/oscillator_ensemble.json");
+        let text = include_str!("../../../../tests/reference/derived/sde/oscillator_ensemble.json");
         Ok(serde_json::from_str(text)?)
     }
 }
@@ -144,7 +143,7 @@ impl Diffrax {
     /// # Errors
     /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
-        let text = include_str!("../../../../../tests/reference/derived/sde/diffrax.json");
+        let text = include_str!("../../../../tests/reference/derived/sde/diffrax.json");
         Ok(serde_json::from_str(text)?)
     }
 }

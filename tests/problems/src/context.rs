@@ -4,6 +4,7 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use clap::Args;
 use serde::{Deserialize, Serialize};
 
 /// Error of a case, a chart or a scene: any typed error, so that `?` converts all of them.
@@ -35,6 +36,30 @@ impl Profile {
             Self::Quick => "quick",
             Self::Default => "default",
             Self::Full => "full",
+        }
+    }
+}
+
+/// Amount of work.
+#[derive(Debug, Clone, Copy, Args)]
+#[group(multiple = false)]
+pub struct Extent {
+    /// The cheapest part, at most 3 minutes
+    #[arg(long)]
+    quick: bool,
+    /// Everything, at most 90 minutes
+    #[arg(long)]
+    full: bool,
+}
+
+impl Extent {
+    /// Profile selected by the flags.
+    #[must_use]
+    pub const fn profile(self) -> Profile {
+        match (self.quick, self.full) {
+            (true, _) => Profile::Quick,
+            (_, true) => Profile::Full,
+            _ => Profile::Default,
         }
     }
 }

@@ -7,7 +7,7 @@ use result_figures::Measured;
 use sde_integrators::Noise;
 
 use crate::context::CaseError;
-use crate::problems::peridyn::network::{Network, lanes_of};
+use crate::peridyn::network::{Network, lanes_of};
 
 /// Bonds of a chain whose other nodes are held, each for itself.
 pub const BONDS: usize = 500;

@@ -230,8 +230,8 @@ mod tests {
     };
 
     use super::*;
-    use crate::problems::fpk::oscillator::Oscillator;
-    use crate::problems::fpk::problem::Problem;
+    use crate::fpk::oscillator::Oscillator;
+    use crate::fpk::problem::Problem;
 
     #[test]
     fn the_linear_oscillator_has_the_moments_and_tails_of_its_reference() {

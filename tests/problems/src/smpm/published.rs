@@ -55,7 +55,7 @@ struct FileRow {
 /// # Errors
 /// That of the JSON; a table that the file lacks.
 pub fn printed() -> Result<Vec<PrintedRow>, CaseError> {
-    let text = include_str!("../../../../../tests/reference/published/smpm/chen_2019_tables.json");
+    let text = include_str!("../../../../tests/reference/published/smpm/chen_2019_tables.json");
     let file: File = serde_json::from_str(text)?;
     let mut rows = Vec::new();
     for (table, (name, ..)) in TABLES.into_iter().enumerate() {

@@ -46,9 +46,9 @@ pub enum OrderError {
 /// # Example
 /// ```
 /// let levels = [(0.4, 0.16), (0.2, 0.04), (0.1, 0.01), (0.05, 0.0025)];
-/// let order = work_precision::order::fit(&levels)?;
+/// let order = reference_problems::order::fit(&levels)?;
 /// assert!((order.value - 2.0).abs() < 1e-12);
-/// # Ok::<(), work_precision::order::OrderError>(())
+/// # Ok::<(), reference_problems::order::OrderError>(())
 /// ```
 pub fn fit(levels: &[(f64, f64)]) -> Result<Measured, OrderError> {
     let n_levels = levels.len();

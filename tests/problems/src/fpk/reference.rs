@@ -39,7 +39,7 @@ impl ReferenceTable {
     /// [`ReferenceError`], or that of the JSON.
     pub fn linear_oscillator() -> Result<Self, CaseError> {
         let values: Value = serde_json::from_str(include_str!(
-            "../../../../../tests/reference/derived/fpk/linear_oscillator_exact.json"
+            "../../../../tests/reference/derived/fpk/linear_oscillator_exact.json"
         ))?;
         let relative_error = number(&values["relative_error"], "relative_error")?;
         Ok(Self {
@@ -54,7 +54,7 @@ impl ReferenceTable {
     /// # Errors
     /// [`ReferenceError`], or that of the JSON.
     pub fn viscous_damper() -> Result<Self, CaseError> {
-        let text = include_str!("../../../../../tests/reference/derived/fpk/viscous_damper.json");
+        let text = include_str!("../../../../tests/reference/derived/fpk/viscous_damper.json");
         Self::best(text, "first_passage_mc")
     }
 
@@ -64,7 +64,7 @@ impl ReferenceTable {
     /// [`ReferenceError`], or that of the JSON.
     pub fn bouc_wen() -> Result<Self, CaseError> {
         Self::best(
-            include_str!("../../../../../tests/reference/derived/fpk/bouc_wen.json"),
+            include_str!("../../../../tests/reference/derived/fpk/bouc_wen.json"),
             "first_passage",
         )
     }
@@ -177,7 +177,7 @@ struct BistableAndDuffing {
 
 fn bistable_and_duffing() -> Result<BistableAndDuffing, CaseError> {
     Ok(serde_json::from_str(include_str!(
-        "../../../../../tests/reference/derived/fpk/bistable_and_duffing.json"
+        "../../../../tests/reference/derived/fpk/bistable_and_duffing.json"
     ))?)
 }
 

@@ -11,7 +11,7 @@ use smpm::uncertainty::{Experiment, Study};
 
 use super::problems::{Problem, experiment};
 use crate::context::CaseError;
-use crate::stability::Work;
+use crate::work::Work;
 
 /// Shape functions with their names.
 pub const SHAPES: [(ShapeScene, &str); 2] =

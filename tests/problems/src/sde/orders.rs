@@ -304,8 +304,8 @@ mod tests {
     use sde_integrators::EulerMaruyama;
 
     use super::*;
-    use crate::problems::sde::methods::{follow, method};
-    use crate::problems::sde::problems::Sine;
+    use crate::sde::methods::{follow, method};
+    use crate::sde::problems::Sine;
 
     #[test]
     fn a_slope_carries_the_noise_of_its_batches() {

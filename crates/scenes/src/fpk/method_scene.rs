@@ -49,6 +49,7 @@ pub enum MethodScene {
         step: f64,
         /// Integrator of a path: that of the system.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(example = IntegratorScene::StrangOscillator)]
         integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
@@ -75,6 +76,7 @@ pub enum MethodScene {
         step: f64,
         /// Integrator of a path: that of the system.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(example = IntegratorScene::StrangOscillator)]
         integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
@@ -91,6 +93,7 @@ pub enum MethodScene {
         step: f64,
         /// Integrator of a path: that of the system.
         #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(example = IntegratorScene::StrangOscillator)]
         integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,

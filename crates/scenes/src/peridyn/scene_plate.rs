@@ -173,17 +173,18 @@ impl Plate {
 
 /// How the bonds of a plate are visited: along the rows of a lattice where the plate allows it and that is faster.
 ///
-/// Side by side in a register a list is as fast, so that realisations in time, of which as many as that are asked for, take it. The
-/// bridge test is made for lists.
+/// In time random realisations are in a list: side by side in a register they are as fast there. The order is a property of the scene,
+/// not of the number of realisations, so that a realisation is the same in any ensemble. The bridge test is made for lists.
 pub(super) fn order(
     scene: &CrackScene,
     plate: &Plate,
+    temperature: f64,
     (strength, stiffness, protected): (&Variation, &Variation, &[usize]),
 ) -> BondOrder {
-    let fills_registers = scene.ensemble.realisations >= scene.ensemble.precision.n_lanes();
+    let is_random = temperature > 0.0 || !matches!(strength, Variation::Uniform);
     let has_bridge =
         scene.time.as_ref().is_some_and(|time| Breaking::from(time.breaking) == Breaking::Bridge);
-    if !scene.is_quasi_static() && (fills_registers || has_bridge) {
+    if !scene.is_quasi_static() && (is_random || has_bridge) {
         return BondOrder::List;
     }
     let (nodes, strain, stretch) = (plate.nodes.clone(), plate.strain, plate.stretch);

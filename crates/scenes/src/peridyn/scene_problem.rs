@@ -95,7 +95,7 @@ impl CrackProblem {
         let notch = Notch { mouth: scene.notch.mouth, tip: scene.notch.tip };
         let temperature = motion.map_or(0.0, |it| it.simulation.dynamics.temperature());
         let of_ratio_one = motion.filter(|_| temperature > 0.0).map(|it| it.of_ratio_one);
-        let order = order(scene, &plate, (&strength, &stiffness, &held.protected));
+        let order = order(scene, &plate, temperature, (&strength, &stiffness, &held.protected));
         let resolved = Resolved {
             nodes: plate.nodes.positions().len(),
             bonds: plate.bonds.len(),

@@ -160,7 +160,7 @@ fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
         let error = run(ALL, &scene, &options, &Progress::silent()).unwrap_err();
         assert!(matches!(error, RunError::NoShards), "{error}");
     }
-    let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.04, \"seed\": 5, \
+    let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.04, \"seed\": 6, \
                  \"integrator\": \"strang_oscillator\" }";
     run_in(&folder, &by(paths, "[1]"), Start::Anew).unwrap();
     let error = run_in(&folder, &by(SUBSET, "[1]"), Start::GoOn).unwrap_err().to_string();

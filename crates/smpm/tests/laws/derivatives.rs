@@ -4,8 +4,8 @@ use perturbation_moments::{Gradient, Jet, LANES};
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{Body, Config, Fill, Geometry, Number, Shape, Simulation, Transfer};
 
-/// Steps of the differences of first and second order, along the line on which all inputs change.
-const STEPS: [f64; 2] = [2e-5, 5e-5];
+/// Step of the differences, along the line on which all inputs change.
+const STEP: f64 = 2e-5;
 /// The direction of a jet along that line.
 const LINE: usize = 7;
 /// The line, by input.
@@ -78,8 +78,12 @@ fn compare<const D: usize>(config: &Config<D>) {
     let jets = run(config, &mut steps, jet);
     let gradients =
         run(config, &mut steps, |value, input| Gradient { first: jet(value, input).first, value });
-    let mut at = |step: f64| run(config, &mut steps, |value, input| value + step * SLOPES[input]);
-    let ends = STEPS.map(|step| [at(step), at(-step)]);
+    let ends = [STEP, -STEP].map(|step| {
+        run(config, &mut steps, |value, input| Gradient {
+            value: value + step * SLOPES[input],
+            first: jet(value, input).first,
+        })
+    });
     // Where a particle changes cells within a step of the differences, the second derivative of a run with quadratic functions
     // jumps, the third with cubic ones: an error of the order of the step.
     let (limit, limit_of_second) = match config.shape {
@@ -94,18 +98,17 @@ fn compare<const D: usize>(config: &Config<D>) {
         let of = |read: fn(&Jet) -> f64| -> Vec<f64> { jets[column].iter().map(read).collect() };
         // roundoff: of 30 steps.
         assert!(distance(&of(|jet| jet.value), &plain[column]) < 1e-12, "{name}");
-        let both = |order: usize| ends[order][0][column].iter().zip(&ends[order][1][column]);
-        let first: Vec<f64> = both(0).map(|(a, b)| (a - b) / (2.0 * STEPS[0])).collect();
-        let error = distance(&of(|jet| jet.first[LINE]), &first);
+        let difference = |read: fn(&Gradient) -> f64| -> Vec<f64> {
+            let both = ends[0][column].iter().zip(&ends[1][column]);
+            both.map(|(a, b)| (read(a) - read(b)) / (2.0 * STEP)).collect()
+        };
+        let error = distance(&of(|jet| jet.first[LINE]), &difference(|end| end.value));
         assert!(error < limit, "{name}: first derivatives: {error:e}");
         // Masses are linear in the density.
         let curved = of(|jet| jet.second[LINE]);
         assert_eq!(curved.iter().any(|&second| second != 0.0), column < 3, "{name}");
         if let Some(limit) = limit_of_second.filter(|_| column < 3) {
-            let second = both(1).zip(&plain[column]);
-            let second: Vec<f64> =
-                second.map(|((a, b), x)| (a - 2.0 * x + b) / (STEPS[1] * STEPS[1])).collect();
-            let error = distance(&curved, &second);
+            let error = distance(&curved, &difference(|end| end.first[LINE]));
             assert!(error < limit, "{name}: second derivatives: {error:e}");
         }
     }

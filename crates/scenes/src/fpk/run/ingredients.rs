@@ -219,7 +219,11 @@ mod tests {
         let damper = names(include_str!("../../../../../tests/scenes/fpk/viscous_damper.json"));
         assert_eq!(
             damper,
-            [("the damper".to_owned(), 0), ("the modulating function".to_owned(), 0)]
+            [
+                ("the damper".to_owned(), 0),
+                ("the modulating function".to_owned(), 0),
+                ("the cubic terms of the fit".to_owned(), 0)
+            ]
         );
         let shaken =
             names(include_str!("../../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"));

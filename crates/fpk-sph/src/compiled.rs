@@ -7,15 +7,17 @@ use std::io::{Read, Write};
 
 use sde_integrators::GaussianMixture;
 
-use crate::coefficients::Coefficients;
 use crate::conditional_step::Conditional;
-use crate::config::Config;
+use crate::density::cell_integral::CellIntegral;
+use crate::density::density_field::DensityField;
 use crate::error::Error;
-use crate::observables::{CellIntegral, DensityField};
-use crate::remap::{Remapped, Remapping};
-use crate::report::StepReport;
+use crate::method::config::Config;
+use crate::method::remapping::{Remapped, Remapping};
 use crate::score::ScoreEstimator;
-use crate::solver::{GoesOn, Solver};
+use crate::solver::Solver;
+use crate::solver::report::StepReport;
+use crate::step::GoesOn;
+use crate::system::coefficients::Coefficients;
 
 /// The passes over a cloud in one dimension.
 pub(crate) struct Passes<const D: usize> {

@@ -2,21 +2,22 @@
 
 use particle_store::{Attribute, ParticleStore};
 
-use crate::coefficients::Coefficients;
-use crate::discretisation::Discretisation;
 use crate::error::Error;
-use crate::evaluation::{Evaluation, Stage, check_finite};
-use crate::linear_filter::{FilterMoments, LinearFilter};
+use crate::method::remapping::Remapped;
 use crate::parallel::for_each_block;
-use crate::remap::{Carried, CarriedOn, Remapped};
-use crate::report::StepReport;
-use crate::rim_extrapolation::RimExtrapolation;
+use crate::remap::rim_extrapolation::RimExtrapolation;
+use crate::remap::{Carried, CarriedOn};
 use crate::scheme::Scheme;
 use crate::score::WAVE_DAMPING;
-use crate::settling::Settling;
+use crate::score::settling::Settling;
 use crate::solver::Solver;
-use crate::state::State;
-use crate::time_schemes::Begin;
+use crate::solver::discretisation::Discretisation;
+use crate::solver::evaluation::{Evaluation, Stage, check_finite};
+use crate::solver::report::StepReport;
+use crate::system::coefficients::Coefficients;
+use crate::system::linear_filter::{FilterMoments, LinearFilter};
+use crate::time::Begin;
+use crate::time::state::State;
 use vibrating_systems::matrix::{Matrix, scaled};
 
 /// What is carried besides the density of the structure, and the buffers of a step.

@@ -5,19 +5,19 @@ use std::io::{Read, Write};
 use particle_store::ParticleStore;
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, Sde};
 
-use crate::coefficients::OfSystem;
 use crate::compiled::passes;
 use crate::conditional_step::Conditional;
-use crate::config::Config;
 use crate::error::Error;
-use crate::linear_filter::{FilterMoments, LinearFilter, MOST_FILTER_STATES};
 use crate::method::StepRule;
+use crate::method::config::Config;
 use crate::parallel::in_pool;
-use crate::report::StepReport;
-use crate::rim_extrapolation::RimExtrapolation;
+use crate::remap::rim_extrapolation::RimExtrapolation;
 use crate::scheme::Scheme;
 use crate::score::inverse;
 use crate::simulation::Simulation;
+use crate::solver::report::StepReport;
+use crate::system::coefficients::OfSystem;
+use crate::system::linear_filter::{FilterMoments, LinearFilter, MOST_FILTER_STATES};
 use vibrating_systems::Filtered;
 
 /// The density of a structure behind a [filter](vibrating_systems::Filter) on a lattice of the structure's states alone.

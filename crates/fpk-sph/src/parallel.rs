@@ -1,8 +1,6 @@
 //! Loops over particles whose every output bit is the same for any number of threads: each particle writes its own
 //! entry, and nothing is summed across particles here.
 
-use crate::score::Estimates;
-
 /// Particles that one thread takes at a time: fewer would cost more to hand out than to compute.
 pub(crate) const BLOCK: usize = 128;
 
@@ -11,7 +9,7 @@ pub(crate) const BLOCK: usize = 128;
 const FEW: usize = 1024;
 
 /// Whether loops over so many particles are shared between threads.
-const fn is_shared(n: usize) -> bool {
+pub(crate) const fn is_shared(n: usize) -> bool {
     cfg!(feature = "rayon") && n > FEW
 }
 
@@ -109,29 +107,4 @@ fn from_part<S: Split>(
     }
     low();
     high();
-}
-
-/// `(score, density, volume)[i] = value(i)`.
-pub(crate) fn for_each_particle<const D: usize>(
-    out: &mut Estimates<D>,
-    value: impl Fn(usize) -> ([f64; D], f64, f64) + Sync,
-) {
-    let write = |i: usize, score: &mut [f64; D], density: &mut f64, volume: &mut f64| {
-        (*score, *density, *volume) = value(i);
-    };
-    #[cfg(feature = "rayon")]
-    if is_shared(out.score.len()) {
-        use rayon::prelude::*;
-        return out
-            .score
-            .par_iter_mut()
-            .zip(out.density.par_iter_mut())
-            .zip(out.volume.par_iter_mut())
-            .enumerate()
-            .with_min_len(BLOCK)
-            .for_each(|(i, ((score, density), volume))| write(i, score, density, volume));
-    }
-    for i in 0..out.score.len() {
-        write(i, &mut out.score[i], &mut out.density[i], &mut out.volume[i]);
-    }
 }

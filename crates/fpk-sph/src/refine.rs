@@ -1,7 +1,7 @@
 //! A tolerance instead of a number of particles: runs on finer lattices until the error that they show is small enough.
 
+use crate::cloud::start::InitialLattice;
 use crate::error::{Error, positive};
-use crate::start::InitialLattice;
 
 /// How far a refinement goes.
 #[derive(Debug, Clone, Copy, PartialEq)]

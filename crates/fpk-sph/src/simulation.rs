@@ -4,17 +4,18 @@ use std::io::{Read, Write};
 
 use sde_integrators::{GaussianMixture, Sde};
 
-use crate::coefficients::OfSystem;
 use crate::compiled::passes;
-use crate::config::Config;
+use crate::density::cell_integral::CellIntegral;
+use crate::density::density_field::DensityField;
 use crate::error::{Error, finite};
-use crate::observables::{CellIntegral, DensityField};
+use crate::method::config::Config;
+use crate::method::remapping::{Remapped, Remapping};
 use crate::parallel::in_pool;
-use crate::remap::{Remapped, Remapping};
-use crate::report::{StepReport, Work};
 use crate::scheme::Scheme;
 use crate::score::ScoreEstimator;
 use crate::solver::Solver;
+use crate::solver::report::{StepReport, Work};
+use crate::system::coefficients::OfSystem;
 use vibrating_systems::matrix::Matrix;
 
 /// The density of a system on moving particles (Canor & Denoël 2013, eq 11-14):

@@ -1,22 +1,25 @@
 //! One step of the method.
 
-use crate::coefficients::Coefficients;
+use crate::cloud::metric::{condition_number, mean_and_covariance};
 use crate::error::Error;
-use crate::evaluation::{Stage, check_finite};
 use crate::extremes::{first_smallest, last_greatest};
-use crate::metric::{condition_number, mean_and_covariance};
-use crate::remap::Remapped;
-use crate::report::StepReport;
+use crate::method::remapping::Remapped;
 use crate::scheme::Scheme;
 use crate::score::Unresolved;
-use crate::settling::Settling;
+use crate::score::settling::Settling;
 use crate::solver::Solver;
-use crate::step_length::StepLength;
-use crate::time_schemes::Begin;
+use crate::solver::evaluation::{Stage, check_finite};
+use crate::solver::report::StepReport;
+use crate::solver::step_length::StepLength;
+use crate::system::coefficients::Coefficients;
+use crate::time::Begin;
 
 /// The most probability that unresolved cells may hold. Runs whose claims hold were seen with up to 0.014: the damper at
 /// t = 10, one cell at the centre of a cloud that has collapsed onto its slow manifold; Bouc-Wen with up to 4e-4.
 pub const MOST_UNRESOLVED: f64 = 0.05;
+
+/// Whether to go on, asked before a step with the present time.
+pub(crate) type GoesOn<'a> = &'a mut (dyn FnMut(f64) -> bool + Send);
 
 impl<const D: usize> Solver<D> {
     /// One step, not beyond `end`, of `dX/dt = v` (Canor & Denoël 2013, eq 14), then `h` (eq 20):
@@ -24,7 +27,7 @@ impl<const D: usize> Solver<D> {
     /// $$ v = f - \nabla\cdot D - D \nabla\log\psi, \qquad
     /// h_i = h_{0i} \left( \frac{V_i}{V_{0i}} \right)^{1/D}, \qquad \frac{d\mu_i}{dt} = 0 . $$
     ///
-    /// The limits of `dt` are those of the first stage; `h` is that of [`Smoothing`](crate::smoothing::Smoothing).
+    /// The limits of `dt` are those of the first stage; `h` is that of [`Smoothing`](crate::time::smoothing::Smoothing).
     pub(crate) fn step_towards(
         &mut self,
         system: &dyn Coefficients<D>,
@@ -34,6 +37,20 @@ impl<const D: usize> Solver<D> {
             remapped,
             ..solver.report(length)
         })
+    }
+
+    /// Steps to the given time, while `goes_on` returns true at the present one.
+    pub(crate) fn advance_while(
+        &mut self,
+        system: &dyn Coefficients<D>,
+        time: f64,
+        goes_on: GoesOn<'_>,
+    ) -> Result<(), Error> {
+        self.check_not_past(time)?;
+        while self.state.time < time && goes_on(self.state.time) {
+            self.observed_step(system, time, |_, _, _| ())?;
+        }
+        Ok(())
     }
 
     /// One step, not beyond `end`, and what `observe` makes of its first stage, its length and the remeshing before it.

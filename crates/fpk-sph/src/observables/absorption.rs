@@ -3,7 +3,7 @@
 use super::exchange::{LatticeExchange, Move};
 use crate::error::{Error, finite};
 use crate::solver::Solver;
-use crate::state::State;
+use crate::time::state::State;
 
 /// What [`FirstPassage`](super::FirstPassage) records, whatever the demand.
 pub(super) struct Absorption<const D: usize> {

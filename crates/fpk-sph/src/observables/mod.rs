@@ -20,21 +20,19 @@
 //!
 //! A probability comes with what it rests on, or as a bound where no more is known: [`Probability`].
 //!
+//! An observable reads a simulation between its steps and changes nothing of it.
+//!
 //! [`Simulation::exceedance_indicator`]: crate::Simulation::exceedance_indicator
 //! [`Simulation::exceedance_log_interpolated`]: crate::Simulation::exceedance_log_interpolated
 
 mod absorption;
-mod cell;
-mod cell_integral;
-mod density_field;
 mod exchange;
 mod first_passage;
 mod moments;
-mod probability;
 mod survival;
 
-pub use cell_integral::{CellIntegral, Exceedance, TAIL_SPACINGS};
-pub use density_field::{DensityField, FIELD_REACH};
+pub use crate::density::cell_integral::{CellIntegral, Exceedance, TAIL_SPACINGS};
+pub use crate::density::density_field::{DensityField, FIELD_REACH};
+pub use crate::density::probability::Probability;
 pub use first_passage::OutcrossingBound;
-pub use probability::Probability;
 pub use survival::FirstPassage;

@@ -3,9 +3,9 @@
 use sde_integrators::Sde;
 
 use crate::error::{Error, finite};
-use crate::evaluation::Evaluation;
 use crate::simulation::Simulation;
 use crate::solver::Solver;
+use crate::solver::evaluation::Evaluation;
 
 impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// `E[x_1^a_1 .. x_D^a_D] = sum_i mu_i prod_k x_ik^a_k` (Canor & Denoël 2013, eq 22, where `psi_i dV_i` is `mu_i` by

@@ -4,11 +4,11 @@ use sde_integrators::Sde;
 
 use super::absorption::Absorption;
 use super::exchange::Scene;
-use super::probability::Probability;
-use crate::coefficients::{Coefficients, OfSystem};
+use crate::density::probability::Probability;
 use crate::error::{Error, finite};
 use crate::simulation::Simulation;
 use crate::solver::Solver;
+use crate::system::coefficients::{Coefficients, OfSystem};
 
 /// The probability that a demand `y` has passed thresholds `T_k` by now, all from one run of a [`Simulation`], which it
 /// watches and does not change.

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use neighbour_search::NeighbourList;
 
 use super::interpolation::{Departure, Found};
-use super::policy::Remapping;
+use crate::cloud::lattice::neighbours_on_lattice;
 use crate::error::Error;
-use crate::lattice::neighbours_on_lattice;
+use crate::method::remapping::Remapping;
 use crate::parallel::fill;
 
 /// A lattice in whitened coordinates with the mass of each of its cells.

@@ -4,9 +4,9 @@ use neighbour_search::{LeafTree, Near};
 use particle_store::Lattice;
 use smoothing_kernels::{Kernel, Lucy};
 
-use super::policy::BEYOND_THE_CLOUD;
+use crate::cloud::lattice::{ParticleLattice, index_of_place};
 use crate::error::Error;
-use crate::lattice::{ParticleLattice, index_of_place};
+use crate::method::remapping::BEYOND_THE_CLOUD;
 use crate::score::{LeastSquares, Monomials, lattice_jacobian, solve};
 
 /// The departure of the log density from that of the cloud's Gaussian, `log psi + |y|^2 / 2`, at any place in whitened

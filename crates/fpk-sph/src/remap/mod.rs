@@ -1,22 +1,25 @@
-//! Remapping of the cloud onto a new lattice.
+//! Remapping of the cloud onto a new lattice: densities and what particles carry besides are interpolated from the particles,
+//! and mass, mean and covariance are restored.
+//!
+//! It reads an evaluation of the solver and replaces its state and lattice. Whether and when the cloud is remapped is decided
+//! by the step; no system is known here.
 
 mod fresh_lattice;
 mod interpolation;
-mod policy;
-
-pub use policy::{BEYOND_THE_CLOUD, Remapped, Remapping};
+pub(crate) mod rim_extrapolation;
 
 use self::fresh_lattice::FreshLattice;
 use self::interpolation::Departure;
+use self::rim_extrapolation::RimExtrapolation;
+use crate::cloud::lattice::ParticleLattice;
+use crate::cloud::metric::{Metric, Whitening, mean_and_covariance};
 use crate::error::Error;
-use crate::lattice::ParticleLattice;
-use crate::linear_filter::FilterVector;
-use crate::metric::{Metric, Whitening, mean_and_covariance};
+use crate::method::remapping::{Remapped, Remapping};
 use crate::parallel::fill;
-use crate::rim_extrapolation::RimExtrapolation;
 use crate::score::{lattice_jacobian, solve};
 use crate::solver::Solver;
-use crate::state::State;
+use crate::system::linear_filter::FilterVector;
+use crate::time::state::State;
 
 /// Numbers that particles carry besides their masses, `n` each, particle by particle.
 pub(crate) struct Carried<'a> {

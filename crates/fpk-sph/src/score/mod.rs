@@ -4,25 +4,21 @@
 //! |---|---|---|---|---|
 //! | [`SummationDensity`] | `sum mu_j W_ij` | `sum mu_j grad W_ij` | nothing: kernel variance remains | Canor & Denoël 2013, eq 15, 19, 23 |
 //! | [`FlowMapFit`] | `mu_i / det F_i` | weighted least squares of `log psi` over those near on the lattice, degree 2 to 4 | a Gaussian | this project |
+//!
+//! An estimator is given a [`Cloud`], and before it the lattice on which the particles start. It knows no system, no time
+//! step and no raw coordinates.
 
-mod arrangement;
 mod cell_geometry;
 mod cells;
-mod flow_map_fit;
-mod flow_map_passes;
-mod folded;
-mod lattice_sums;
+mod flow_map;
 mod monomials;
-mod pattern;
 mod polynomial_fit;
-mod runs;
+pub(crate) mod settling;
 mod small_matrices;
-mod stencils;
 mod summation_density;
 
-pub use flow_map_fit::FlowMapFit;
-pub(crate) use flow_map_fit::WAVE_DAMPING;
-pub use flow_map_passes::SMALLEST_CELL;
+pub use flow_map::{FlowMapFit, SMALLEST_CELL};
+pub(crate) use flow_map::{RIM, WAVE_DAMPING};
 use neighbour_search::{Criterion, NeighbourList};
 pub use summation_density::SummationDensity;
 
@@ -31,7 +27,6 @@ pub(crate) use monomials::Monomials;
 use polynomial_fit::Determined;
 pub(crate) use polynomial_fit::LeastSquares;
 pub(crate) use small_matrices::{inverse, solve, solve_transposed};
-pub(crate) use stencils::RIM;
 
 use crate::cloud::Cloud;
 use crate::error::Error;

@@ -6,7 +6,7 @@ use smoothing_kernels::{Kernel, Lucy, power};
 use super::{Estimates, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
-use crate::parallel::for_each_particle;
+use crate::parallel::is_shared;
 
 /// Summation density (Canor & Denoël 2013, eq 15, 19 with the reciprocal average of eq 23):
 ///
@@ -61,5 +61,31 @@ impl<K: Kernel<D>, const D: usize> ScoreEstimator<D> for SummationDensity<K> {
             (gradient, psi, cloud.masses[i] / psi)
         });
         Ok(())
+    }
+}
+
+/// `(score, density, volume)[i] = value(i)`.
+fn for_each_particle<const D: usize>(
+    out: &mut Estimates<D>,
+    value: impl Fn(usize) -> ([f64; D], f64, f64) + Sync,
+) {
+    let write = |i: usize, score: &mut [f64; D], density: &mut f64, volume: &mut f64| {
+        (*score, *density, *volume) = value(i);
+    };
+    #[cfg(feature = "rayon")]
+    if is_shared(out.score.len()) {
+        use crate::parallel::BLOCK;
+        use rayon::prelude::*;
+        return out
+            .score
+            .par_iter_mut()
+            .zip(out.density.par_iter_mut())
+            .zip(out.volume.par_iter_mut())
+            .enumerate()
+            .with_min_len(BLOCK)
+            .for_each(|(i, ((score, density), volume))| write(i, score, density, volume));
+    }
+    for i in 0..out.score.len() {
+        write(i, &mut out.score[i], &mut out.density[i], &mut out.volume[i]);
     }
 }

@@ -1,6 +1,6 @@
 //! Begin of a step.
 
-use crate::state::Previous;
+use crate::time::state::Previous;
 use vibrating_systems::matrix::Matrix;
 
 /// Begin of a step, and its length.

@@ -7,11 +7,11 @@
 
 use simd_lanes::{MOST_LANES, Registers, Work};
 
-use super::Carried;
-use super::cells::{damped_push_forward, is_thick, push_forward, volume};
 use super::lattice_sums::{LatticeSums, PART};
 use super::stencils::Stencils;
 use crate::parallel::Split;
+use crate::score::Carried;
+use crate::score::cells::{damped_push_forward, is_thick, push_forward, volume};
 
 /// A cell smaller than this part of the mean of those around it is not resolved.
 pub const SMALLEST_CELL: f64 = 0.135;

@@ -2,11 +2,11 @@
 
 use smoothing_kernels::{Kernel, Lucy, power};
 
-use super::Fits;
 use super::arrangement::place_of;
-use super::monomials::{Monomials, unknowns};
-use super::polynomial_fit::LeastSquares;
 use crate::error::Error;
+use crate::score::Fits;
+use crate::score::monomials::{Monomials, unknowns};
+use crate::score::polynomial_fit::LeastSquares;
 
 /// The weights of a class of arrangements of neighbours, along the axes of the class; one entry per member.
 #[derive(Debug, Clone)]

@@ -1,8 +1,13 @@
-//! Explicit schemes for `dX/dt = v(t, X)`.
+//! Explicit schemes for `dX/dt = v(t, X)`, the state that a step changes, and the smoothing lengths over a step.
+//!
+//! A scheme is given a velocity as a function. Nothing here knows what it follows from, how long a step may be, or when the
+//! cloud is remapped.
 
 mod begin;
 mod classical;
 mod lawson;
+pub(crate) mod smoothing;
+pub(crate) mod state;
 mod sums;
 
 pub(crate) use begin::Begin;

@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use neighbour_search::NeighbourList;
 
-use super::Fits;
 use super::arrangement::{Turn, Turned};
 use super::pattern::Pattern;
 use crate::error::Error;
+use crate::score::Fits;
 
 /// The local polynomials of all lattice points. Points whose neighbours are arranged alike, but for reflections and
 /// permutations of the axes, share their weights: inside a lattice all do.

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use neighbour_search::NeighbourList;
 
+use crate::cloud::lattice::ParticleLattice;
 use crate::error::Error;
-use crate::lattice::ParticleLattice;
 use crate::score::{RIM, determinant, solve};
 
 /// Linear extrapolation of values from the inside of a lattice to its rim, with constant weights.

@@ -1,6 +1,6 @@
 //! Smoothing lengths over a step.
 
-use crate::state::State;
+use crate::time::state::State;
 
 /// Smoothing lengths by eq 20 of Canor & Denoël 2013, frozen over a step:
 ///

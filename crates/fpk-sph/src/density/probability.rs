@@ -67,7 +67,7 @@ const NOTED_BEYOND: f64 = 0.1;
 
 impl Probability {
     /// An estimate with what it rests on, given its parts and what the lattice left outside.
-    pub(super) fn of(estimate: f64, unresolved: f64, beyond: f64, outside: f64) -> Self {
+    pub(crate) fn of(estimate: f64, unresolved: f64, beyond: f64, outside: f64) -> Self {
         if estimate <= outside {
             return Self::Below { estimate, bound: estimate + outside };
         }

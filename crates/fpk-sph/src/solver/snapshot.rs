@@ -4,10 +4,10 @@ use std::io::{Read, Write};
 
 use particle_store::{Attribute, ParticleStore};
 
+use crate::cloud::lattice::{ParticleLattice, index_of_place};
 use crate::error::Error;
-use crate::lattice::{ParticleLattice, index_of_place};
 use crate::solver::Solver;
-use crate::state::{Previous, State};
+use crate::time::state::{Previous, State};
 
 impl<const D: usize> Solver<D> {
     /// Writes state and lattice.

@@ -1,22 +1,28 @@
 //! The method on one cloud of particles: everything of a simulation but its system.
+//!
+//! [`Solver`] owns the discretisation, the state, and the buffers of an evaluation and of a step. What is here evaluates the
+//! right-hand side, finds the length of a step, and saves and restores the state. It calls a system through its coefficients
+//! alone, and knows neither the step nor the remapping, which are written on it.
+
+pub(crate) mod discretisation;
+pub(crate) mod evaluation;
+pub(crate) mod report;
+mod snapshot;
+pub(crate) mod step_length;
 
 use sde_integrators::GaussianMixture;
 
-use crate::coefficients::Coefficients;
-use crate::config::{COLLAPSED_STEP, Config};
-use crate::discretisation::Discretisation;
+use self::discretisation::Discretisation;
+use self::evaluation::Evaluation;
+use self::report::Work;
+use crate::cloud::lattice::ParticleLattice;
+use crate::cloud::start::{Start, initial_spacing};
 use crate::error::{Error, positive};
-use crate::evaluation::Evaluation;
-use crate::lattice::ParticleLattice;
-use crate::report::Work;
+use crate::method::config::{COLLAPSED_STEP, Config};
 use crate::score::ScoreEstimator;
-use crate::smoothing::Smoothing;
-use crate::start::{Start, initial_spacing};
-use crate::state::State;
-use crate::time_schemes::Stages;
-
-/// Whether to go on, asked before a step with the present time.
-pub(crate) type GoesOn<'a> = &'a mut (dyn FnMut(f64) -> bool + Send);
+use crate::time::Stages;
+use crate::time::smoothing::Smoothing;
+use crate::time::state::State;
 
 /// The method on one cloud of particles. Compiled once for each dimension, whatever the system.
 #[derive(Debug)]
@@ -115,20 +121,6 @@ impl<const D: usize> Solver<D> {
         let remapping = self.discretisation.combination.remapping.as_ref();
         let outermost_mass = remapping.map_or(0.0, |remapping| remapping.outermost_mass);
         (1.0 - total).abs() + self.state.n_remaps as f64 * outermost_mass
-    }
-
-    /// Steps to the given time, while `goes_on` returns true at the present one.
-    pub(crate) fn advance_while(
-        &mut self,
-        system: &dyn Coefficients<D>,
-        time: f64,
-        goes_on: GoesOn<'_>,
-    ) -> Result<(), Error> {
-        self.check_not_past(time)?;
-        while self.state.time < time && goes_on(self.state.time) {
-            self.observed_step(system, time, |_, _, _| ())?;
-        }
-        Ok(())
     }
 
     /// Refuses a time before the present one.

@@ -1,8 +1,8 @@
 //! Parameters of a simulation.
 
+use crate::cloud::start::InitialLattice;
 use crate::method::{Combination, Estimator, Method};
-use crate::settling::Settling;
-use crate::start::InitialLattice;
+use crate::score::settling::Settling;
 
 /// Parameters of a simulation besides the system and its initial distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]

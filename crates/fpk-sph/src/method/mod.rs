@@ -1,13 +1,20 @@
-//! Which combination of choices carries the density: named methods and their parts.
+//! Which combination of choices carries the density: named methods and their parts, the configuration of a simulation, and
+//! the conditions of a remapping.
+//!
+//! Choices are values that are checked here and carried out elsewhere. This folder names estimators, since a choice builds
+//! its own, but it knows no particles, no solver and no step.
+
+pub(crate) mod config;
+pub(crate) mod remapping;
 
 use smoothing_kernels::Lucy;
 
+use self::remapping::Remapping;
+use crate::cloud::metric::Metric;
 use crate::error::{Error, positive, within};
-use crate::metric::Metric;
-use crate::remap::Remapping;
 use crate::scheme::Scheme;
+use crate::score::settling::Settling;
 use crate::score::{Degree, FlowMapFit, ScoreEstimator, SummationDensity};
-use crate::settling::Settling;
 
 /// A named combination of estimator, metric, smoothing lengths and time stepping.
 #[derive(Debug, Clone, Copy, PartialEq)]

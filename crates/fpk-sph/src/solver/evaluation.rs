@@ -3,15 +3,15 @@
 use neighbour_search::{CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
 
 use crate::cloud::Cloud;
-use crate::coefficients::Coefficients;
-use crate::discretisation::Discretisation;
+use crate::cloud::metric::{Metric, Whitening, mean_and_covariance};
 use crate::error::Error;
 use crate::extremes::first_smallest;
-use crate::metric::{Metric, Whitening, mean_and_covariance};
 use crate::parallel::{BLOCK, for_each_block};
-use crate::report::Work;
 use crate::score::Estimates;
-use crate::state::State;
+use crate::solver::discretisation::Discretisation;
+use crate::solver::report::Work;
+use crate::system::coefficients::Coefficients;
+use crate::time::state::State;
 use vibrating_systems::matrix::Matrix;
 
 /// What one evaluation of the right-hand side holds.

@@ -3,19 +3,17 @@
 use neighbour_search::Criterion;
 use simd_lanes::SimdLevel;
 
-use super::cell_geometry::determinant;
-use super::cells::trace_on_lattice;
-use super::flow_map_passes::{
-    Deform, Deformed, Differentiate, Lattice, Pass, SMALLEST_CELL, Settle,
-};
 use super::lattice_sums::{LatticeSums, PART};
-use super::monomials::{Monomials, unknowns};
+use super::passes::{Deform, Deformed, Differentiate, Lattice, Pass, SMALLEST_CELL, Settle};
 use super::stencils::Stencils;
-use super::{Carried, Degree, Estimates, LatticePlaces, LocalMap, ScoreEstimator};
 use crate::cloud::Cloud;
 use crate::error::Error;
 use crate::parallel::for_each_part;
-use crate::settling::Settling;
+use crate::score::cell_geometry::determinant;
+use crate::score::cells::trace_on_lattice;
+use crate::score::monomials::{Monomials, unknowns};
+use crate::score::settling::Settling;
+use crate::score::{Carried, Degree, Estimates, LatticePlaces, LocalMap, ScoreEstimator};
 
 /// Density and score from the flow map `y(X)`, where `X` are places on the lattice of the start. With the deformation
 /// gradient `F = dy/dX`, in spacings, and masses that never change,
@@ -368,9 +366,9 @@ mod tests {
     use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
     use particle_store::Lattice as Places;
 
-    use super::super::Unresolved;
-    use super::super::flow_map_passes::half_square;
+    use super::super::passes::half_square;
     use super::*;
+    use crate::score::Unresolved;
 
     /// What the estimator makes of positions on a ball, at every level.
     fn estimates<const D: usize>(

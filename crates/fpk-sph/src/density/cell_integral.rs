@@ -4,12 +4,12 @@ use std::collections::{HashMap, HashSet};
 
 use super::cell::{Cell, Part, subdivisions, variation};
 use super::probability::Probability;
+use crate::cloud::lattice::index_of_place;
+use crate::cloud::metric::Whitening;
 use crate::error::{Error, finite};
-use crate::evaluation::Evaluation;
-use crate::lattice::index_of_place;
-use crate::metric::Whitening;
 use crate::score::LocalMap;
 use crate::solver::Solver;
+use crate::solver::evaluation::Evaluation;
 
 /// The density as a function: around each particle the mass per lattice cell, over the cell as the flow has deformed it, by the
 /// flow map of an estimator that follows it. The cells tile the cloud where the flow is affine over a spacing.

@@ -3,9 +3,9 @@
 use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
 
+use crate::cloud::metric::{Metric, Whitening};
+use crate::cloud::reach::{ball_reach, box_reach};
 use crate::error::{Error, finite, positive};
-use crate::metric::{Metric, Whitening};
-use crate::reach::{ball_reach, box_reach};
 
 /// The lattice on which the particles start, centred on the mean of the initial distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]

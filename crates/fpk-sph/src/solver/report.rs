@@ -1,6 +1,6 @@
 //! Step and run statistics.
 
-use crate::remap::Remapped;
+use crate::method::remapping::Remapped;
 use crate::score::{Fits, Unresolved};
 
 /// One step, in numbers. Lengths are in the coordinates of the metric.

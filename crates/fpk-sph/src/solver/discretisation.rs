@@ -1,7 +1,7 @@
 //! The discretisation of the density: estimator, choices of the method, lattice.
 
+use crate::cloud::lattice::ParticleLattice;
 use crate::error::Error;
-use crate::lattice::ParticleLattice;
 use crate::method::Combination;
 use crate::score::{LatticePlaces, ScoreEstimator};
 

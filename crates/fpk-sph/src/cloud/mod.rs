@@ -1,4 +1,13 @@
-//! What an estimator sees: particles in the coordinates of the metric, their masses, reach and neighbours.
+//! The cloud of particles: where its particles start, their lattice, the metric that gives them coordinates, and how far
+//! the lattice must reach.
+//!
+//! [`Cloud`] is what an estimator sees: particles in the coordinates of the metric, their masses, reach and neighbours.
+//! This folder knows positions and masses alone: no estimator, no system and no time step.
+
+pub(crate) mod lattice;
+pub(crate) mod metric;
+pub(crate) mod reach;
+pub(crate) mod start;
 
 use neighbour_search::NeighbourList;
 

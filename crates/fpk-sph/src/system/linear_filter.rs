@@ -1,7 +1,7 @@
 //! A linear filter of any number of states, and the moments of these states given those of the structure.
 
+use crate::cloud::metric::Whitening;
 use crate::error::Error;
-use crate::metric::Whitening;
 use vibrating_systems::matrix::Matrix;
 use vibrating_systems::{Filter, Window};
 

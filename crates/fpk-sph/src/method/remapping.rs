@@ -64,7 +64,7 @@ impl Remapping {
 
 impl Remapped {
     /// Refuses changes above the limit.
-    pub(super) fn check(&self, time: f64, limit: f64) -> Result<(), Error> {
+    pub(crate) fn check(&self, time: f64, limit: f64) -> Result<(), Error> {
         for (quantity, value) in [
             ("mass", self.mass_change),
             ("mean", self.mean_change),

@@ -1,9 +1,9 @@
 //! The length of a step, by the rule and the limits of the method.
 
-use crate::coefficients::Coefficients;
 use crate::error::Error;
 use crate::method::StepRule;
 use crate::solver::Solver;
+use crate::system::coefficients::Coefficients;
 
 /// The length of a step with the limits that it keeps.
 #[derive(Debug, Clone, Copy)]

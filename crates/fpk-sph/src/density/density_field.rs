@@ -2,8 +2,8 @@
 
 use smoothing_kernels::{Kernel, Lucy};
 
+use crate::cloud::metric::{Metric, Whitening};
 use crate::error::Error;
-use crate::metric::{Metric, Whitening};
 use crate::score::{inverse, lattice_jacobian, solve_transposed};
 use crate::solver::Solver;
 

@@ -4,6 +4,7 @@
 //! `--record --build` alone: this program is then cargo's `RUSTC_WRAPPER`, and adds a line for each unit to a file.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -103,7 +104,7 @@ fn lines(root: &Path) -> Result<Lines, String> {
     {
         // A file that is deleted but not yet committed has no lines.
         let text = std::fs::read(root.join(path)).unwrap_or_default();
-        let n_lines = text.iter().filter(|&&byte| byte == b'\n').count() as u64;
+        let n_lines = text.split(|&byte| byte == b'\n').count().saturating_sub(1) as u64;
         let (package, is_src) = place(path);
         lines.entry(package.to_owned()).or_default()[usize::from(!is_src)] += n_lines;
     }
@@ -143,14 +144,12 @@ fn table(lines: &Lines, recorded: &Value) -> String {
     text.push_str(&row("sum", sums, before_all));
     for (profile, seconds) in recorded["cpu_seconds"].as_object().into_iter().flatten() {
         let all = seconds.as_object().into_iter().flatten().filter_map(|(_, it)| it.as_f64());
-        text.push_str(&format!(
-            "recorded: {:.0} CPU seconds to compile ({profile})\n",
-            all.sum::<f64>()
-        ));
+        let _ =
+            writeln!(text, "recorded: {:.0} CPU seconds to compile ({profile})", all.sum::<f64>());
     }
     for (name, bytes) in recorded["text_bytes"].as_object().into_iter().flatten() {
         let megabytes = 1e-6 * bytes.as_f64().unwrap_or(0.0);
-        text.push_str(&format!("recorded: {megabytes:.1} MB of machine code in {name}\n"));
+        let _ = writeln!(text, "recorded: {megabytes:.1} MB of machine code in {name}");
     }
     text
 }
@@ -192,7 +191,9 @@ fn cpu_seconds<'a>(
         let package = ours.get(unit).map_or("dependencies", String::as_str);
         *seconds.entry(package.to_owned()).or_insert(0.0) += of_unit.parse().unwrap_or(0.0);
     }
-    seconds.values_mut().for_each(|sum: &mut f64| *sum = sum.round());
+    for sum in seconds.values_mut() {
+        *sum = f64::round(*sum);
+    }
     Ok(seconds)
 }
 

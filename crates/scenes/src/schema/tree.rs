@@ -151,6 +151,9 @@ impl Reader<'_> {
 
     fn object(&mut self, place: &str, schema: &Value) -> Result<Holds, SchemaError> {
         let Some(properties) = schema["properties"].as_object() else {
+            if schema["additionalProperties"] == false {
+                return Ok(Holds::Object(Vec::new()));
+            }
             return Ok(Holds::Map(Box::new(self.holds(place, &schema["additionalProperties"])?)));
         };
         let required = schema["required"].as_array().map_or(&[][..], Vec::as_slice);

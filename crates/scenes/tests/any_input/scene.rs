@@ -29,7 +29,7 @@ pub(crate) static SCENES: LazyLock<Vec<String>> = LazyLock::new(|| {
     let built_in = files.iter().map(|file| std::fs::read_to_string(file).unwrap());
     let mut texts: Vec<String> = built_in.collect();
     // Methods that no built-in scene uses.
-    let fit = "\"flow_map_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+    let fit = "\"flow_map_fit\": { \"count\": [49, 49], \"reach\": 7 }";
     let damper = texts.iter().find(|text| text.contains(fit)).unwrap().clone();
     texts.extend(METHODS.map(|method| damper.replacen(fit, method, 1)));
     texts

@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::fpk::{run_in, whole_and_merged};
 
 const DAMPER: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
-const OWN: &str = "\"flow_map_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+const OWN: &str = "\"flow_map_fit\": { \"count\": [49, 49], \"reach\": 7 }";
 const LINEARISED: &str = "\"statistical_linearisation\": { \"step\": 0.05 }";
 const GUIDED: &str = "\"guided_paths\": { \"samples\": 2000, \"step\": 0.04, \
                       \"integrator\": \"strang_oscillator\", \"seed\": 7 }";

@@ -357,7 +357,7 @@ mod tests {
         let hysteresis = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
         assert_eq!(answering(hysteresis), [false, true, true, true]);
         // Its own method comes first, with its own parameters.
-        let fit = "\"flow_map_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+        let fit = "\"flow_map_fit\": { \"count\": [49, 49], \"reach\": 7 }";
         let own = damper.replace(fit, "\"statistical_linearisation\": { \"step\": 0.7 }");
         assert_eq!(names(&own)[0], all[1]);
         // A filter on the lattice is another method than one that is conditioned out.

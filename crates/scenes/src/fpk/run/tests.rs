@@ -74,7 +74,7 @@ fn lists_of_another_length_than_the_system_has_states_are_refused_where_they_sta
     let (message, line, ..) = mistake_in(BOUC_WEN, "[[2, 0, 0],", "[[2, 0],");
     assert_eq!(message, "there are 2 entries; the system has 3 states");
     assert_eq!(line, 20);
-    let (message, line, ..) = mistake("\"count\": [41, 41]", "\"count\": [41, 41, 41]");
+    let (message, line, ..) = mistake("\"count\": [49, 49]", "\"count\": [41, 41, 41]");
     assert_eq!(message, "there are 3 entries; the system has 2 states");
     assert_eq!(line, 19);
 }
@@ -105,7 +105,7 @@ fn a_box_and_a_ball_at_once_and_an_integrator_of_another_system_are_refused() {
     );
 }
 
-const LATTICE: &str = "\"count\": [41, 41], \"reach\": 6";
+const LATTICE: &str = "\"count\": [49, 49], \"reach\": 7";
 
 fn with_scheme(name: &str) -> String {
     format!("{LATTICE}, \"scheme\": \"{name}\"")
@@ -197,7 +197,7 @@ fn a_mean_beyond_the_range_a_null_and_an_unknown_key_are_refused_where_they_stan
 
 #[test]
 fn zero_particles_and_thresholds_out_of_order_are_refused_where_they_stand() {
-    let (message, line, ..) = mistake("\"count\": [41, 41]", "\"count\": [0, 41]");
+    let (message, line, ..) = mistake("\"count\": [49, 49]", "\"count\": [0, 41]");
     assert_eq!((message.as_str(), line), ("0 was given; it must be from 3 to 2000 particles", 19));
     let (message, line, ..) = mistake("[0.1, 0.25,", "[0.3, 0.25,");
     assert_eq!(
@@ -206,7 +206,7 @@ fn zero_particles_and_thresholds_out_of_order_are_refused_where_they_stand() {
     );
 }
 
-const FIT: &str = "\"flow_map_fit\": { \"count\": [41, 41], \"reach\": 6 }";
+const FIT: &str = "\"flow_map_fit\": { \"count\": [49, 49], \"reach\": 7 }";
 const FLOW: &str = "\"flow_map_fit\": { \"spacing\": 0.5, \"reach\": 5 }";
 const GRID: &str =
     "\"conservative_grid\": { \"cells\": 64, \"reach\": 8, \"steps_per_period\": 40 }";

@@ -15,7 +15,7 @@ const SOURCE: &str =
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/viscous-damper-flow-map",
-    title: "Building with a viscous damper in an earthquake, flow-map fit, 1,681 particles",
+    title: "Building with a viscous damper in an earthquake, flow-map fit, 2,401 particles",
     source: SOURCE,
     cost: Profile::Quick,
     schedule: Schedule::Together,
@@ -44,7 +44,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let config = problem.density_config(1.0)?;
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
     let run = problem.density(&config, &asked(&times, &problem, true))?;
-    let method = run.words("flow-map fit, box of 6 sigma");
+    let method = run.words("flow-map fit, box of 7 sigma");
     let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
     let reason = "truncation of the cubic fit, also after the noise has died away";
     let within = |tolerance| Criterion::Within { tolerance, reason };
@@ -58,24 +58,24 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ])
 }
 
-/// Effect of remeshing: none on the moments, a better far tail while there is noise.
+/// Effect of remeshing: none on the moments and on the tail while there is noise, a worse far tail after it.
 fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let problem = Problem::viscous_damper()?;
     let config = problem.density_config(1.0)?;
     let remapping = Remapping { most_uneven: 1.0, ..Remapping::MEASURED };
     let times = [6.0, 7.0, 8.0, 10.0];
     let mut claims = Vec::new();
-    let folded = "P = 4.8e-9 at t = 6 and 3.5e-11 at t = 8: cells at the rim of the first lattice have folded; a fresh one mends \
-                  that while the noise feeds the tail, and not after";
+    let folded = "P = 4.8e-9 at t = 6 and 3.5e-11 at t = 8: a box of 7 sigma holds this tail, of 6 it was 13 % and a factor of 20 off; \
+                  remeshing loses it after the noise has died away";
     let band = |from, to| Criterion::AsMeasured { from, to, reason: folded };
     let mended = Criterion::Within { tolerance: 0.06, reason: folded };
     for (id, method, tails) in [
-        ("without", Method::FlowMapFit, [band(0.09, 0.16), band(1.0, 1.7)]),
-        ("with", fresh_lattices(remapping, 40.0), [mended, band(-0.4, -0.2)]),
+        ("without", Method::FlowMapFit, [mended, band(-0.1, 0.0)]),
+        ("with", fresh_lattices(remapping, 40.0), [mended, band(0.4, 0.6)]),
     ] {
         let config = Config { method, ..config };
         let run = problem.density(&config, &asked(&times, &problem, true))?;
-        let words = run.words(&format!("flow-map fit, box of 6 sigma, {id} remeshing"));
+        let words = run.words(&format!("flow-map fit, box of 7 sigma, {id} remeshing"));
         let judge = Judge { context, problem: &problem, run: &run, id, method: words };
         let reason = "truncation of the cubic fit";
         for powers in [[2, 0], [0, 2]] {

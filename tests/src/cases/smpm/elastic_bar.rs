@@ -77,7 +77,7 @@ const FAMILIES: [Family; 2] = [
         name: "musl-apic",
         transfer: Transfer::Apic,
         order: (1.0, 1.25),
-        wall_order: (0.4, 0.5),
+        wall_order: (0.53, 0.63),
         tolerances: [0.008, 2e-3, 5e-4, 4e-3, 0.045, 0.04, 0.03],
     },
 ];

@@ -1,8 +1,7 @@
 //! Checks of the numbers and lists of a scene.
 
 use result_figures::number::exact;
-
-use crate::scene::Objection;
+use scene_runs::scene::Objection;
 
 pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
     if count == states.len() {

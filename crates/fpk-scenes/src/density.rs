@@ -2,10 +2,9 @@
 
 use fpk_sph::observables::{CellIntegral, Probability};
 use fpk_sph::{ConditionedSimulation, Config, Error, Simulation, Work};
+use scene_runs::clock::CpuClock;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
-
-use crate::clock::CpuClock;
 
 /// Requested results of a run.
 #[derive(Debug, Clone, PartialEq)]

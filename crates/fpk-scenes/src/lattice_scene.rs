@@ -5,12 +5,12 @@ use fpk_sph::{
     Combination, Estimator, InitialLattice, MOST_NEGLIGIBLE, Method, Remapping, Settling, StepRule,
     ball_reach, box_reach,
 };
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::checks::{check_length, must};
 use super::scheme_scene::SchemeScene;
-use crate::scene::Objection;
 
 /// The initial lattice in standard deviations of the initial distribution: a box by `count`, or a ball by `spacing`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -302,7 +302,7 @@ fn check_ball(path: &str, reach: f64, spacing: f64, dimension: usize) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schema::defaults;
+    use scene_runs::schema::defaults;
 
     #[test]
     fn a_negligible_part_is_refused_out_of_its_range() {

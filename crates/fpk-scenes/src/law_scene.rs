@@ -1,5 +1,6 @@
 //! The initial distribution of a scene.
 
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
@@ -8,7 +9,6 @@ use super::checks::must;
 use super::paths::Paths;
 use super::system::{System, Visitor};
 use super::system_scene::{SystemError, list, square};
-use crate::scene::Objection;
 
 /// The initial distribution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -2,6 +2,7 @@
 
 use fpk_sph::{Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, StepRule};
 use result_figures::number::exact;
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -14,7 +15,6 @@ use super::lattice_scene::{
 use super::law_scene::LawScene;
 use super::scheme_scene::SchemeScene;
 use super::system::System;
-use crate::scene::Objection;
 
 /// The method, by its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

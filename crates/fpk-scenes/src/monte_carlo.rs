@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use scene_runs::clock::CpuClock;
 use sde_integrators::{
     Ensemble, EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge,
     merge_so_far,
@@ -10,7 +11,6 @@ use serde::{Deserialize, Serialize};
 
 use super::density::Asked;
 use super::paths::{PathEnsemble, Paths, PathsError};
-use crate::clock::CpuClock;
 
 /// Ensemble size and step.
 #[derive(Debug, Clone, PartialEq)]

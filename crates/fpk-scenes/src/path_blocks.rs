@@ -4,10 +4,9 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use random_vibration::{PathBlock, TailError};
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::{Inputs, Part, Run, RunError};
 use serde::{Deserialize, Serialize};
-
-use crate::clock::CpuClock;
-use crate::kind::{Inputs, Part, Run, RunError};
 
 /// Name of the finished blocks in a checkpoint.
 const BLOCKS: &str = "blocks of paths";

@@ -22,29 +22,27 @@ use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use result_pages::Source;
+use scene_runs::answers::Unknown;
+use scene_runs::checkpoint::Checkpoint;
+use scene_runs::interrupt;
+use scene_runs::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
+use scene_runs::machine::Machine;
+use scene_runs::models::edit;
+use scene_runs::result_file::ResultFile;
+use scene_runs::scene::SceneFile;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 use vibrating_systems::Filtered;
 
-use crate::answers::Unknown;
-use crate::checkpoint::Checkpoint;
-use crate::fpk::density::{
-    self, Asked, DensityRun, DensitySimulation, Erased, Reached, Row, Standing,
-};
-use crate::fpk::method_scene::MethodScene;
-use crate::fpk::monte_carlo::Sampling;
-use crate::fpk::paths::{Paths, PathsError};
-use crate::fpk::scene::FpkScene;
-use crate::fpk::system::{FilteredVisitor, System, Visitor};
-use crate::interrupt;
-use crate::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
-use crate::machine::Machine;
-use crate::models::edit;
-use crate::result_file::ResultFile;
-use crate::scene::SceneFile;
+use crate::density::{self, Asked, DensityRun, DensitySimulation, Erased, Reached, Row, Standing};
+use crate::method_scene::MethodScene;
+use crate::monte_carlo::Sampling;
+use crate::paths::{Paths, PathsError};
+use crate::scene::FpkScene;
 use crate::sources::{
     AU_BECK_2001, CANOR_2013, GIRSANOV_1960, MACKE_2003, ROBERTS_1990, SCHARFETTER_1969,
 };
+use crate::system::{FilteredVisitor, System, Visitor};
 use asked::{OtherDimension, asked, law};
 use linearised::Linearised;
 use observed::Observed;
@@ -57,7 +55,8 @@ use resolutions::Resolutions;
 use sampled::Sampled;
 use tails::{Estimator, TailsOf};
 
-pub(crate) const KIND: SceneKind = SceneKind {
+/// Its line in a table of kinds.
+pub const KIND: SceneKind = SceneKind {
     solver: "fpk-sph",
     schema: || schemars::schema_for!(FpkScene),
     check: |file| file.parse::<FpkScene>().map(drop),

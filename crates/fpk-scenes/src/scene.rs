@@ -1,6 +1,7 @@
 //! A density scene as written in its JSON file.
 
 use result_figures::number::{exact, tidy};
+use scene_runs::scene::{Objection, Retired, Scene, SceneError, SceneFile, WrongKey, read_keys};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -9,9 +10,9 @@ use super::checks::{check_length, must};
 use super::density::Demand;
 use super::law_scene::LawScene;
 use super::method_scene::MethodScene;
+use super::retired::RETIRED;
 use super::system::System;
 use super::system_scene::SystemScene;
-use crate::scene::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
 /// The probability density of a system under noise over time: system, requested quantities and method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -203,6 +204,7 @@ impl FpkScene {
 
 impl Scene for FpkScene {
     type Built = System;
+    const RETIRED: &[Retired] = RETIRED;
 
     fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
         read_keys(keys)

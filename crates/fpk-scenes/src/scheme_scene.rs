@@ -1,12 +1,12 @@
 //! Time integration scheme of a scene, and the systems to which it applies.
 
 use fpk_sph::Scheme;
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::paths::Paths;
 use super::system::{System, Visitor};
-use crate::scene::Objection;
 
 /// Time integration scheme, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

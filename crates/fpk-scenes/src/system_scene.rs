@@ -1,5 +1,6 @@
 //! Systems that a scene can name, and their properties in any dimension.
 
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vibrating_systems::Error;
@@ -13,7 +14,6 @@ use super::structure_scene::{
     BoucWenScene, DamperScene, DuffingScene, StructureScene, TwoStoreyScene, WindowScene,
 };
 use super::system::System;
-use crate::scene::Objection;
 
 /// The system, by its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,11 +1,11 @@
 //! Nodes of a body with prescribed displacements.
 
 use peridyn_sde::{Error, Loading, Nodes, Program};
+use scene_runs::scene::Objection;
 
 use super::positive::positive;
 use super::scene::CrackScene;
 use super::scene_load::{LoadingScene, RegionScene, StrainScene};
-use crate::scene::Objection;
 
 /// Nodes with prescribed displacements, and nodes whose bonds do not break.
 #[derive(Debug)]

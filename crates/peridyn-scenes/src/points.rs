@@ -18,11 +18,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use peridyn_sde::{Condition, Nodes};
+use scene_runs::nearest::nearest;
+use scene_runs::scene::{NamedFile, Objection};
 
 use self::table::{COLUMNS, Table};
 use super::scene_body::BodyScene;
-use crate::nearest::nearest;
-use crate::scene::{NamedFile, Objection};
 
 /// Key that names a file of points.
 const KEY: &str = "body.points";

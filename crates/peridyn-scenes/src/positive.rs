@@ -1,6 +1,6 @@
 //! Objections to numbers of a scene that must be positive.
 
-use crate::scene::Objection;
+use scene_runs::scene::Objection;
 
 /// An objection to a number that is not greater than zero.
 pub(super) fn positive(path: &str, name: &str, value: f64) -> Result<(), Objection> {

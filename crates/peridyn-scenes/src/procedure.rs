@@ -4,13 +4,13 @@ use peridyn_sde::{
     Body, BondList, Bonds, Dynamics, EquilibriumConfig, Error, Loading, Simulation,
     SimulationConfig, SolidList, Stiffness, between_nodes,
 };
+use scene_runs::scene::Objection;
 use sde_integrators::Noise;
 
 use super::positive::positive;
 use super::scene::CrackScene;
 use super::scene_dynamics::{DynamicsScene, StepScene, TimeScene};
 use super::scene_plate::{Plate, PlateLaw, at};
-use crate::scene::Objection;
 
 /// A step (s) at which every body is stable, used only to convert it to units of the stiffest mode.
 const PROBE: f64 = 1e-60;

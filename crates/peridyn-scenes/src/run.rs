@@ -14,22 +14,23 @@ use mpi_ensembles::Ranks;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
 use peridyn_sde::{CrackRun, HaltedRun};
 use result_figures::number::with_uncertainty;
+use scene_runs::checkpoint::{Checkpoint, CheckpointError};
+use scene_runs::clock::CpuClock;
+use scene_runs::interrupt;
+use scene_runs::kind::{Completed, Cut, Inputs, Output, Part, Run, RunError, SceneKind};
+use scene_runs::models::edit;
+use scene_runs::result_file::ResultFile;
+use scene_runs::scene::{NamedFile, Objection, SceneFile};
 use sde_integrators::{Accumulator, Noise};
 
 use self::record::{Content, Record, WorkRecord};
-use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::clock::CpuClock;
-use crate::interrupt;
-use crate::kind::{Completed, Cut, Inputs, Output, Part, Run, RunError, SceneKind};
-use crate::models::edit;
-use crate::peridyn::points::Cloud;
-use crate::peridyn::scene::{CrackScene, EnsembleScene};
-use crate::peridyn::scene_problem::CrackProblem;
-use crate::peridyn::so_far::CracksSoFar;
-use crate::result_file::ResultFile;
-use crate::scene::{NamedFile, Objection, SceneFile};
+use crate::points::Cloud;
+use crate::scene::{CrackScene, EnsembleScene};
+use crate::scene_problem::CrackProblem;
+use crate::so_far::CracksSoFar;
 
-pub(crate) const KIND: SceneKind = SceneKind {
+/// Its line in a table of kinds.
+pub const KIND: SceneKind = SceneKind {
     solver: "peridyn-sde",
     schema: || schemars::schema_for!(CrackScene),
     check: |file| file.parse::<CrackScene>().map(drop),
@@ -82,12 +83,6 @@ struct TooManyShards {
     realisations: u64,
 }
 
-impl From<peridyn_sde::Error> for RunError {
-    fn from(error: peridyn_sde::Error) -> Self {
-        Self::solver(error)
-    }
-}
-
 /// Realisations of a checkpoint, and their time (s).
 type Ended = (CrackRun, f64);
 
@@ -128,7 +123,7 @@ fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
     let mut shards = shards.into_iter();
     let Some((mut all, mut cpu_seconds)) = shards.next() else { return Err(RunError::NoShards) };
     for (shard, seconds) in shards {
-        all.append(shard)?;
+        all.append(shard).map_err(RunError::solver)?;
         cpu_seconds += seconds;
     }
     Ok((all, cpu_seconds))

@@ -3,12 +3,12 @@
 use peridyn_sde::{
     Condition, Error, Horizon, Influence, Strain, SurfaceCorrection, VolumeCorrection,
 };
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::named::named;
 use super::positive::positive;
-use crate::scene::Objection;
 
 /// A rectangle with a corner at the origin, or points inside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -3,13 +3,15 @@
 use serde_json::Value;
 
 use super::positive::positive;
+use super::retired::RETIRED;
 use super::scene::{CrackScene, NotchScene, PrecisionScene};
 use super::scene_body::ToughnessScene;
 use super::scene_load::LoadingScene;
-use crate::scene::{Objection, Scene, WrongKey, read_keys};
+use scene_runs::scene::{Objection, Retired, Scene, WrongKey, read_keys};
 
 impl Scene for CrackScene {
     type Built = ();
+    const RETIRED: &[Retired] = RETIRED;
 
     fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
         read_keys(keys)

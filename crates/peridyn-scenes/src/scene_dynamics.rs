@@ -1,12 +1,12 @@
 //! Dynamics of the nodes of a crack scene.
 
 use peridyn_sde::{Breaking, CorrelatedMobility, Dynamics, Error, Mobility, Nodes, Scheme};
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::positive::positive;
 use super::scene_field::CorrelationScene;
-use crate::scene::Objection;
 
 /// The equations of motion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

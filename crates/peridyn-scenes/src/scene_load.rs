@@ -1,10 +1,10 @@
 //! What holds and what moves the body of a crack scene.
 
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::scene_body::BodyScene;
-use crate::scene::Objection;
 
 /// Rows of nodes at the lower and the upper edge with prescribed displacement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -7,13 +7,13 @@ use peridyn_sde::{
     WeibullStrength, critical_stretch, critical_stretch_of_solid,
 };
 use random_fields::{Correlation, GaussianField};
+use scene_runs::scene::Objection;
 
 use super::points::Cloud;
 use super::positive::positive;
 use super::scene::CrackScene;
 use super::scene_body::{BodyScene, LawScene, ToughnessScene};
 use super::scene_field::{FieldScene, VariationScene};
-use crate::scene::Objection;
 
 /// Largest variance that a field on irregular points may omit at a point before it is rescaled to one.
 const LEFT_OUT: f64 = 1e-2;

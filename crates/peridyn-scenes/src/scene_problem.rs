@@ -3,6 +3,7 @@
 use peridyn_sde::{
     BondOrder, Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Procedure, Strain,
 };
+use scene_runs::scene::{NamedFile, Objection};
 use serde::Serialize;
 
 use super::held::{Held, LoadEnd, rate};
@@ -10,7 +11,6 @@ use super::points::Cloud;
 use super::procedure::{Motion, SceneProcedure};
 use super::scene::CrackScene;
 use super::scene_plate::{Plate, PlateLaw, Variation, order};
-use crate::scene::{NamedFile, Objection};
 
 /// All objects that a study borrows.
 #[derive(Debug)]

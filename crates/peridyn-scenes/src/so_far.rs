@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use peridyn_sde::{CrackRun, CrackStudy, Error, GroupProgress, HaltedRun, RunOutcome};
+use scene_runs::RunError;
 use serde::{Deserialize, Serialize};
 
 use super::scene::{CrackScene, PrecisionScene};
@@ -29,8 +30,8 @@ impl CrackProblem {
     /// Runs all realisations of a range in one piece.
     ///
     /// # Errors
-    /// Those of [`CrackStudy::run`].
-    pub fn run(&self, scene: &CrackScene, range: Range<u64>) -> Result<CrackRun, Error> {
+    /// [`RunError::Solver`] with those of [`CrackStudy::run`].
+    pub fn run(&self, scene: &CrackScene, range: Range<u64>) -> Result<CrackRun, RunError> {
         self.run_while(scene, range, CracksSoFar::default(), &|_| true, |_| Ok(()))
     }
 
@@ -42,14 +43,14 @@ impl CrackProblem {
     ///
     /// # Errors
     /// Those of [`CrackStudy::resume_while`] and of `look`.
-    pub fn run_while<E: From<Error>>(
+    pub fn run_while(
         &self,
         scene: &CrackScene,
         range: Range<u64>,
         past: CracksSoFar,
         goes_on: &(dyn Fn(Option<f64>) -> bool + Sync),
-        mut look: impl FnMut(&CracksSoFar) -> Result<(), E>,
-    ) -> Result<CrackRun, E> {
+        mut look: impl FnMut(&CracksSoFar) -> Result<(), RunError>,
+    ) -> Result<CrackRun, RunError> {
         let (study, n) = (self.study(scene), (range.end - range.start) as f64);
         let each = self.n_side_by_side(scene) * rayon::current_num_threads() as u64;
         let mut so_far = past;
@@ -72,11 +73,11 @@ impl CrackProblem {
                 goes_on(group.done.map(|done| (n_ended as f64 + done * in_round) / n))
             };
             let known = known.map(|(_, halted)| halted);
-            match ran(&study, scene, (round, known), &part)? {
+            match ran(&study, scene, (round, known), &part).map_err(RunError::solver)? {
                 RunOutcome::Halted(halted) => so_far.halted = Some(halted),
                 RunOutcome::Finished(run) => match &mut so_far.run {
                     None => so_far.run = Some(run),
-                    Some(all) => all.append(run)?,
+                    Some(all) => all.append(run).map_err(RunError::solver)?,
                 },
             }
             look(&so_far)?;

@@ -1,6 +1,6 @@
 //! Kinds of scene.
 //!
-//! A kind is a folder for its solver with its scene types and a `const KIND`, and one line in [`ALL`](crate::ALL). A
+//! A kind is a type of scene with a `const KIND: SceneKind`, and one line in a table of kinds that a program passes. A
 //! scene names its kind by the top-level key `solver`, which its type declares too.
 
 mod blocks;
@@ -41,7 +41,7 @@ use crate::nearest::nearest;
 pub use crate::scene::KIND_KEY;
 use crate::scene::{Objection, SceneError, SceneFile};
 
-/// One entry of the table [`ALL`](crate::ALL).
+/// A kind of scene: what a program needs to read, run, compare and describe its scenes.
 #[derive(Debug, Clone, Copy)]
 pub struct SceneKind {
     /// The value of the key `solver`, e.g. `fpk-sph`.
@@ -157,20 +157,6 @@ pub fn check(table: &[SceneKind], file: &SceneFile) -> Result<(), RunError> {
     Ok((kind_of(table, file)?.check)(file)?)
 }
 
-/// Solvers that this build leaves out, each with the feature that has it.
-const LEFT_OUT: &[(&str, &str)] = &[
-    #[cfg(not(feature = "fpk"))]
-    ("fpk-sph", "fpk"),
-    #[cfg(not(feature = "fpk"))]
-    ("random-vibration", "fpk"),
-    #[cfg(not(feature = "smpm"))]
-    ("smpm", "smpm"),
-    #[cfg(not(feature = "peridyn"))]
-    ("peridyn-sde", "peridyn"),
-    #[cfg(not(feature = "peridyn"))]
-    ("peridyn-sde-inference", "peridyn"),
-];
-
 /// Looks up the kind of a scene.
 ///
 /// # Errors
@@ -182,13 +168,12 @@ pub fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a Scene
     let solver = file.text_at_top(KIND_KEY)?;
     table.iter().find(|kind| kind.solver == solver).ok_or_else(|| {
         let known: Vec<&str> = table.iter().map(|kind| kind.solver).collect();
-        let left_out = LEFT_OUT.iter().find(|(name, _)| *name == solver);
-        let hint = match (left_out, nearest(&solver, known.iter().copied())) {
-            (Some((_, feature)), _) => {
-                format!("this build of `scenes` is without its feature `{feature}`")
-            }
-            (None, Some(nearest)) => format!("did you mean `{nearest}`?"),
-            (None, None) => format!("known solvers: {}", known.join(", ")),
+        let hint = match nearest(&solver, known.iter().copied()) {
+            Some(nearest) => format!("did you mean `{nearest}`?"),
+            None => format!(
+                "this build has {}; any other is a feature of the package `scenes`",
+                known.join(", ")
+            ),
         };
         file.object_to(
             &Objection::new(KIND_KEY, format!("there is no solver `{solver}`")).with_help(hint),

@@ -22,6 +22,7 @@ pub use self::error::SceneError;
 pub use self::keys::{WrongKey, read_keys};
 pub use self::named_file::NamedFile;
 pub use self::objection::Objection;
+pub use self::retired::Retired;
 
 /// The key that names the kind of a scene.
 pub const KIND_KEY: &str = "solver";
@@ -30,6 +31,9 @@ pub const KIND_KEY: &str = "solver";
 pub trait Scene: Sized {
     /// Value that the check builds and a run uses.
     type Built;
+
+    /// Names that its scenes had once.
+    const RETIRED: &[Retired] = &[];
 
     /// Parses the keys by [`read_keys`].
     ///
@@ -137,8 +141,7 @@ impl SceneFile {
     /// Those of [`SceneFile::parse`].
     pub fn build<T: Scene>(&self) -> Result<(T, T::Built), SceneError> {
         let read = T::from_keys(&self.keys);
-        let solver = self.keys.get(KIND_KEY).and_then(Value::as_str).unwrap_or_default();
-        let scene = read.map_err(|wrong| place::locate(&self.origin, solver, &wrong))?;
+        let scene = read.map_err(|wrong| place::locate(&self.origin, T::RETIRED, &wrong))?;
         let built = scene.check().map_err(|objection| self.object_to(&objection))?;
         Ok((scene, built))
     }

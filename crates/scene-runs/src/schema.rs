@@ -75,9 +75,9 @@ pub fn write(
     Ok(())
 }
 
-/// Defaults in the schema of a type, as an object.
-#[cfg(test)]
-pub(crate) fn defaults<T: schemars::JsonSchema>() -> serde_json::Map<String, Value> {
+/// Defaults in the schema of a type, as an object. Tests compare them with what parsing gives.
+#[must_use]
+pub fn defaults<T: schemars::JsonSchema>() -> serde_json::Map<String, Value> {
     let schema = schemars::schema_for!(T);
     let properties = schema.get("properties").and_then(Value::as_object).into_iter().flatten();
     let given = properties.filter_map(|(key, property)| Some((key, property.get("default")?)));

@@ -1,6 +1,6 @@
 //! Coordinates of a scene, checked against its dimension.
 
-use crate::scene::Objection;
+use scene_runs::scene::Objection;
 
 /// A point of the right dimension.
 pub(super) fn point<const D: usize>(given: &[f64], path: &str) -> Result<[f64; D], Objection> {

@@ -1,6 +1,7 @@
 //! A scene as an experiment with random parameters.
 
 use perturbation_moments::Scalar;
+use scene_runs::scene::Objection;
 use smpm::uncertainty::{Experiment, FieldExperiment};
 use smpm::{Body, Config, Error, Fill, Number, Simulation};
 
@@ -8,7 +9,6 @@ use super::material_scene::{MaterialScene, Numbers, Part};
 use super::random_fields::PreparedField;
 use super::reading::{MOST_RANDOM, RandomParameter};
 use super::scene::SmpmScene;
-use crate::scene::Objection;
 
 /// A parsed scene: initial particles, material parameters, and which of them are random.
 #[derive(Debug)]

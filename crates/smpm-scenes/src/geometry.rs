@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use result_figures::number::tidy;
+use scene_runs::scene::Objection;
 use smpm::Fill;
 
 use super::coordinates::point;
 use super::region::BodyRegion;
 use super::scene::{SmpmScene, SolidScene};
-use crate::scene::Objection;
 
 /// Largest part of a particle by which a body may miss the size that is asked for, without a note: roundoff.
 const ROUNDOFF: f64 = 1e-6;

@@ -1,10 +1,10 @@
 //! Grids of doubling cells for multilevel Monte Carlo.
 
 use result_figures::number::tidy;
+use scene_runs::scene::Objection;
 
 use super::method_scene::{MethodScene, MultilevelScene};
 use super::scene::{GridScene, SmpmScene, SolidScene};
-use crate::scene::Objection;
 
 /// Largest part of a cell by which a size may miss a whole number of cells: roundoff.
 const ROUNDOFF: f64 = 1e-6;

@@ -1,4 +1,4 @@
-//! Scenes of explosions and impacts: their types and their execution.
+#![doc = include_str!("../README.md")]
 
 mod coordinates;
 pub mod experiment;
@@ -14,7 +14,9 @@ pub mod random_field_scene;
 mod random_fields;
 pub mod reading;
 mod region;
+mod retired;
 pub mod run;
 pub mod scene;
+pub mod sources;
 mod unknown_name;
 mod varying_body;

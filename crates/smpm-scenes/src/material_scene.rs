@@ -4,6 +4,8 @@ use std::any::Any;
 use std::collections::BTreeMap;
 
 use perturbation_moments::Jet;
+use scene_runs::nearest::nearest;
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use smpm::material::{
@@ -17,8 +19,6 @@ use smpm::{Body, Error, Fill, Number};
 
 use super::material_library::entry;
 use super::material_schema;
-use crate::nearest::nearest;
-use crate::scene::Objection;
 
 /// A material: equation of state and strength model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

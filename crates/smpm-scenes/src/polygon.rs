@@ -1,7 +1,8 @@
 //! Polygons in the plane: their checks, and which points they hold.
 
+use scene_runs::scene::Objection;
+
 use super::coordinates::point;
-use crate::scene::Objection;
 
 /// A simple polygon by its corners, in either sense.
 pub(super) struct Polygon<const D: usize>(Vec<[f64; D]>);

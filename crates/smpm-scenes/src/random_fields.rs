@@ -2,6 +2,7 @@
 
 use perturbation_moments::Scalar;
 use random_fields::{CorrelationFunction, Error, Marginal, RandomField};
+use scene_runs::scene::Objection;
 use smpm::{Fill, Number};
 
 use super::coordinates::point;
@@ -11,7 +12,6 @@ use super::random_field_scene::{RandomFieldScene, TermsScene};
 use super::region::BodyRegion;
 use super::scene::SmpmScene;
 use super::unknown_name::unknown;
-use crate::scene::Objection;
 
 /// Where the chance that a normal is farther is 1e-6, as for random parameters.
 const FARTHEST: f64 = 4.891_638_475_698_59;

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use perturbation_moments::{Marginal, RandomVector};
+use scene_runs::nearest::nearest;
+use scene_runs::scene::{Objection, Retired, Scene, SceneError, SceneFile, WrongKey, read_keys};
 use serde_json::Value;
 use smpm::{
     Boundary, BoundaryKind, BulkViscosity, Config, Contact, Fill, Gauge, Geometry, Place, Plan,
@@ -14,13 +16,12 @@ use super::coordinates::point;
 use super::material_scene::{MaterialScene, Numbers, Part};
 use super::method_scene::MethodScene;
 use super::region::BodyRegion;
+use super::retired::RETIRED;
 use super::scene::{
     BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, ShapeScene, SideScene,
     SmpmScene, TransferScene,
 };
 use super::unknown_name::unknown;
-use crate::nearest::nearest;
-use crate::scene::{Objection, Scene, SceneError, SceneFile, WrongKey, read_keys};
 
 /// A random parameter of a material.
 #[derive(Debug, Clone, PartialEq)]
@@ -267,6 +268,7 @@ impl SmpmScene {
 
 impl Scene for SmpmScene {
     type Built = ();
+    const RETIRED: &[Retired] = RETIRED;
 
     fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
         read_keys(keys)

@@ -1,9 +1,10 @@
 //! Regions of space filled by bodies.
 
+use scene_runs::scene::Objection;
+
 use super::coordinates::point;
 use super::polygon::Polygon;
 use super::scene::{BodyScene, SolidScene};
-use crate::scene::Objection;
 
 /// What a body fills: its shape without the regions that are cut out.
 pub(super) struct BodyRegion<const D: usize> {

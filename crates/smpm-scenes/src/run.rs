@@ -17,22 +17,23 @@ mod shown;
 mod solve;
 
 use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
+use scene_runs::kind::{Completed, Output, Run, RunError, SceneKind};
+use scene_runs::machine::Machine;
+use scene_runs::models::edit;
+use scene_runs::result_file::ResultFile;
+use scene_runs::scene::{Objection, SceneFile};
 use smpm::Plan;
 
 use self::fields::Fields;
 use self::record::{Content, Failure, FieldResult, GaugeResult, WorkRecord, by_gauge};
 use self::response::{Response, Shares};
 use self::solve::{Answer, SolveError, Solved};
-use crate::kind::{Completed, Output, Run, RunError, SceneKind};
-use crate::machine::Machine;
-use crate::models::edit;
-use crate::result_file::ResultFile;
-use crate::scene::{Objection, SceneFile};
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::method_scene::MethodScene;
-use crate::smpm::scene::{RandomScene, SmpmScene};
+use crate::experiment::SceneExperiment;
+use crate::method_scene::MethodScene;
+use crate::scene::{RandomScene, SmpmScene};
 
-pub(crate) const KIND: SceneKind = SceneKind {
+/// Its line in a table of kinds.
+pub const KIND: SceneKind = SceneKind {
     solver: "smpm",
     schema: || schemars::schema_for!(SmpmScene),
     check: |file| file.parse::<SmpmScene>().map(drop),

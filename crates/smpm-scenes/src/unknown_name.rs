@@ -1,7 +1,7 @@
 //! Objection to a name that the scene does not have.
 
-use crate::nearest::nearest;
-use crate::scene::Objection;
+use scene_runs::nearest::nearest;
+use scene_runs::scene::Objection;
 
 /// The objection, with the nearest of the known names.
 pub(super) fn unknown<'a>(

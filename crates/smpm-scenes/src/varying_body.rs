@@ -1,5 +1,6 @@
 //! Bodies whose constants vary from particle to particle.
 
+use scene_runs::scene::Objection;
 use smpm::material::{
     ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, JohnsonCook,
     JohnsonCookParameters, MieGruneisen, MieGruneisenParameters, Solid, VonMises,
@@ -8,7 +9,6 @@ use smpm::material::{
 use smpm::{Body, Error, Fill, Number, ParameterError};
 
 use super::material_scene::{EquationScene, MaterialScene, Part, StrengthScene};
-use crate::scene::Objection;
 
 /// Materials whose constants may vary: those that smpm computes several particles at once.
 enum Kind {

@@ -1,5 +1,6 @@
 //! The building of a scene, and the ground beneath it.
 
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use vibrating_systems::Error;
@@ -8,8 +9,7 @@ use vibrating_systems::{
     ShearBuildingParameters, Storey,
 };
 
-use crate::fpk::structure_scene::WindowScene;
-use crate::scene::Objection;
+use crate::structure_scene::WindowScene;
 
 /// A shear building; lists hold the storeys from the ground upwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

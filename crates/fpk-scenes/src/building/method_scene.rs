@@ -1,10 +1,10 @@
 //! The method of a scene of a building.
 
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::fpk::checks::must;
-use crate::scene::Objection;
+use crate::checks::must;
 
 /// The method, by its name. Its paths take classical Runge-Kutta steps under noise that is constant over each step.
 ///

@@ -9,25 +9,26 @@ use random_vibration::{
     TailError, subset_passage,
 };
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
+use scene_runs::answers::Unknown;
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
+use scene_runs::machine::Machine;
+use scene_runs::models::edit;
+use scene_runs::result_file::ResultFile;
+use scene_runs::scene::SceneFile;
 use sde_integrators::Error;
 use vibrating_systems::ShearBuilding;
 
 use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;
-use crate::answers::Unknown;
-use crate::clock::CpuClock;
-use crate::fpk::run::observed::Observed;
-use crate::fpk::run::record::{Content, Probability, Quantity, Series, WorkRecord};
-use crate::fpk::run::{answers, findings};
-use crate::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
-use crate::machine::Machine;
-use crate::models::edit;
 use crate::path_blocks::{Computed, PathBlocks};
-use crate::result_file::ResultFile;
-use crate::scene::SceneFile;
+use crate::run::observed::Observed;
+use crate::run::record::{Content, Probability, Quantity, Series, WorkRecord};
+use crate::run::{answers, findings};
 use crate::sources::{AU_BECK_2001, GIRSANOV_1960, MACKE_2003};
 
-pub(crate) const KIND: SceneKind = SceneKind {
+/// Its line in a table of kinds.
+pub const KIND: SceneKind = SceneKind {
     solver: "random-vibration",
     schema: || schemars::schema_for!(PassageScene),
     check: |file| file.parse::<PassageScene>().map(drop),

@@ -1,5 +1,6 @@
 //! A scene of a building as written in its JSON file.
 
+use scene_runs::scene::{Objection, Scene, WrongKey, read_keys};
 use schemars::JsonSchema;
 use sde_integrators::{Between, Response, Side};
 use serde::{Deserialize, Serialize};
@@ -8,9 +9,8 @@ use vibrating_systems::ShearBuilding;
 
 use super::building_scene::{BuildingScene, GroundScene};
 use super::method_scene::BuildingMethod;
-use crate::fpk::checks::must;
-use crate::fpk::scene::Times;
-use crate::scene::{Objection, Scene, WrongKey, read_keys};
+use crate::checks::must;
+use crate::scene::Times;
 
 /// First passages of a shear building under ground motion, from rest: building, ground, questions and method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,8 +1,9 @@
 //! Answers of a density scene or of a scene of a building: its moments, and its probabilities by the best estimator.
 
+use scene_runs::answers::{Answer, AnswerValue, Answers, Role, Statistic};
+
 use super::observed::Observed;
 use super::record::{Quantity, Series, WorkRecord, best_probabilities};
-use crate::answers::{Answer, AnswerValue, Answers, Role, Statistic};
 
 /// Probabilities, and moments, that are shown first; more of one where there are fewer of the other.
 const FIRST: usize = 3;
@@ -58,7 +59,7 @@ fn product_of_deviations(quantities: &[Series], powers: &[u32]) -> Option<f64> {
 mod tests {
     use super::super::record::Probability;
     use super::*;
-    use crate::answers::ErrorOrigin;
+    use scene_runs::answers::ErrorOrigin;
 
     fn series(of: Quantity, value: f64) -> Series {
         let observed = |t: f64, value: f64| Observed::by_two(t, value, Some(0.01));

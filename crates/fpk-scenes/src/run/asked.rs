@@ -1,11 +1,11 @@
 //! Requested results and initial distribution of a density scene, in the dimension of its system.
 
+use scene_runs::kind::RunError;
 use sde_integrators::GaussianMixture;
 
-use crate::fpk::density::Asked;
-use crate::fpk::scene::FpkScene;
-use crate::fpk::system::System;
-use crate::kind::RunError;
+use crate::density::Asked;
+use crate::scene::FpkScene;
+use crate::system::System;
 
 /// Requested results of the scene, in the dimension of its system or in that of a structure whose filter is conditioned out.
 ///

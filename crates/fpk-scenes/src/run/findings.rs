@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use result_figures::number::{counted, percent, short};
 use result_pages::{Cell, Chart, Note, Point, Series as Line, Source, below};
+use scene_runs::answers::{ErrorOrigin, Unknown};
+use scene_runs::report::{Report, chart, method_words, number_cells, table};
 use serde::Serialize;
 
 use super::observed::{Observed, WeightsRecord};
 use super::record::{Content, Probability, Quantity, Series};
-use crate::answers::{ErrorOrigin, Unknown};
-use crate::report::{Report, chart, method_words, number_cells, table};
 
 /// Heading of the chart of an estimator.
 const fn title(by: Probability) -> &'static str {

@@ -1,14 +1,15 @@
 //! Ingredients that can be left out of a density scene.
 
+use scene_runs::models::Ingredient;
+use scene_runs::models::edit::{changed, ingredient, replace};
+
 use super::record::Quantity;
-use crate::fpk::lattice_scene::{DegreeScene, FilterScene, LatticeScene};
-use crate::fpk::law_scene::LawScene;
-use crate::fpk::method_scene::MethodScene;
-use crate::fpk::scene::{DemandScene, FpkScene};
-use crate::fpk::structure_scene::{BoucWenScene, DuffingScene, StructureScene, WindowScene};
-use crate::fpk::system_scene::{ShakenScene, SystemScene};
-use crate::models::Ingredient;
-use crate::models::edit::{changed, ingredient, replace};
+use crate::lattice_scene::{DegreeScene, FilterScene, LatticeScene};
+use crate::law_scene::LawScene;
+use crate::method_scene::MethodScene;
+use crate::scene::{DemandScene, FpkScene};
+use crate::structure_scene::{BoucWenScene, DuffingScene, StructureScene, WindowScene};
+use crate::system_scene::{ShakenScene, SystemScene};
 
 /// Minimum number of intervals along a length of a lattice with fewer states.
 ///
@@ -190,7 +191,7 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
-    use crate::scene::SceneFile;
+    use scene_runs::scene::SceneFile;
 
     /// Names of the ingredients, each with its number of renamed moments.
     fn names(text: &str) -> Vec<(String, usize)> {
@@ -207,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_moment_has_another_id_without_a_state_and_one_of_that_state_is_lost() {
-        let text = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+        let text = include_str!("../../../../tests/scenes/fpk/bouc_wen.json");
         let scene: FpkScene = serde_json::from_str(text).unwrap();
         let renamed = renamed_moments(&scene, 1);
         assert_eq!(renamed[1], ("moment/1-1-0".to_owned(), Some("moment/1-1".to_owned())));
@@ -216,7 +217,7 @@ mod tests {
 
     #[test]
     fn what_is_left_of_a_built_in_scene_is_a_scene() {
-        let damper = names(include_str!("../../../../../tests/scenes/fpk/viscous_damper.json"));
+        let damper = names(include_str!("../../../../tests/scenes/fpk/viscous_damper.json"));
         assert_eq!(
             damper,
             [
@@ -225,16 +226,15 @@ mod tests {
                 ("the cubic terms of the fit".to_owned(), 0)
             ]
         );
-        let shaken =
-            names(include_str!("../../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"));
+        let shaken = names(include_str!("../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"));
         let expected =
             [("the filter of the ground".to_owned(), 4), ("the modulating function".to_owned(), 0)];
         assert_eq!(shaken, expected);
-        let hysteresis = names(include_str!("../../../../../tests/scenes/fpk/bouc_wen.json"));
+        let hysteresis = names(include_str!("../../../../tests/scenes/fpk/bouc_wen.json"));
         assert_eq!(hysteresis[0], ("the hysteresis".to_owned(), 7));
-        let storeys = names(include_str!("../../../../../tests/scenes/fpk/two_storey.json"));
+        let storeys = names(include_str!("../../../../tests/scenes/fpk/two_storey.json"));
         assert_eq!(storeys[0], ("the dampers".to_owned(), 0));
-        let duffing = names(include_str!("../../../../../tests/scenes/fpk/duffing.json"));
+        let duffing = names(include_str!("../../../../tests/scenes/fpk/duffing.json"));
         let expected = ["the cubic spring", "remeshing", "the cubic terms of the fit"];
         assert_eq!(duffing, expected.map(|name| (name.to_owned(), 0)));
     }

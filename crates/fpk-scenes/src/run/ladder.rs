@@ -3,17 +3,17 @@
 use std::sync::Arc;
 
 use fpk_sph::Method as FpkMethod;
+use scene_runs::kind::RunError;
+use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
+use scene_runs::scene::{Scene, SceneFile};
 use serde::Serialize;
 
-use crate::fpk::integrator_scene::IntegratorScene;
-use crate::fpk::lattice_scene::{FilterScene, LatticeScene};
-use crate::fpk::law_scene::LawScene;
-use crate::fpk::method_scene::{FEWEST_STEPS_PER_PERIOD, MOST_CELLS, MethodScene};
-use crate::fpk::scene::{FpkScene, Times};
-use crate::fpk::system::System;
-use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
-use crate::scene::{Scene, SceneFile};
+use crate::integrator_scene::IntegratorScene;
+use crate::lattice_scene::{FilterScene, LatticeScene};
+use crate::law_scene::LawScene;
+use crate::method_scene::{FEWEST_STEPS_PER_PERIOD, MOST_CELLS, MethodScene};
+use crate::scene::{FpkScene, Times};
+use crate::system::System;
 
 /// Steps of a sampled path per period, for splittings and methods of order 1.5.
 const STEPS_PER_PERIOD: f64 = 64.0;
@@ -350,18 +350,18 @@ mod tests {
             let names = names(text);
             all.map(|name| names.iter().any(|other| other == name))
         };
-        let damper = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
+        let damper = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
         assert_eq!(answering(damper), [true; 4]);
         let thresholds = "[0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5]";
         assert_eq!(answering(&damper.replace(thresholds, "[]")), [true, true, false, false]);
-        let hysteresis = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+        let hysteresis = include_str!("../../../../tests/scenes/fpk/bouc_wen.json");
         assert_eq!(answering(hysteresis), [false, true, true, true]);
         // Its own method comes first, with its own parameters.
         let fit = "\"flow_map_fit\": { \"count\": [49, 49], \"reach\": 7 }";
         let own = damper.replace(fit, "\"statistical_linearisation\": { \"step\": 0.7 }");
         assert_eq!(names(&own)[0], all[1]);
         // A filter on the lattice is another method than one that is conditioned out.
-        let soil = include_str!("../../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json");
+        let soil = include_str!("../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json");
         let conditioned =
             soil.replace("\"reach\": 4.5", "\"reach\": 4.5, \"filter\": \"conditioned\"");
         let asked = conditioned.replace("[\"q\", \"z\"], [\"q\", \"v\"]", "[\"q\", \"z\"]");

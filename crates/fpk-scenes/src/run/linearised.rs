@@ -1,18 +1,18 @@
 //! A density scene by statistical linearisation.
 
 use random_vibration::{GaussianLaw, Linearisation, Quadrature};
+use scene_runs::answers::Unknown;
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::RunError;
 use sde_integrators::{Additive, Sde};
 
 use super::asked::{asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
-use crate::answers::Unknown;
-use crate::clock::CpuClock;
-use crate::fpk::paths::Paths;
-use crate::fpk::scene::FpkScene;
-use crate::fpk::system::{System, Visitor};
-use crate::kind::RunError;
+use crate::paths::Paths;
+use crate::scene::FpkScene;
+use crate::system::{System, Visitor};
 
 /// Solves a scene by statistical linearisation.
 pub(super) struct Linearised<'a> {

@@ -1,10 +1,9 @@
 //! A value of a run with its error.
 
 use random_vibration::GuidedEstimate;
+use scene_runs::answers::{ErrorOrigin, Number};
 use sde_integrators::Estimate;
 use serde::Serialize;
-
-use crate::answers::{ErrorOrigin, Number};
 
 /// A quantity at a time, with its error.
 #[derive(Debug, Clone, Serialize)]

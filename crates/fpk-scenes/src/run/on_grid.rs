@@ -1,16 +1,16 @@
 //! A density scene on a conservative grid, with two coarser grids for its error.
 
 use random_vibration::{GridConfig, GridDensity, GridError};
+use scene_runs::answers::Unknown;
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::{Run, RunError};
 
 use super::asked::{OtherDimension, asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series, moment_words};
-use crate::answers::Unknown;
-use crate::clock::CpuClock;
-use crate::fpk::scene::FpkScene;
-use crate::fpk::system::System;
-use crate::kind::{Run, RunError};
+use crate::scene::FpkScene;
+use crate::system::System;
 
 /// Results at one time.
 struct Row {

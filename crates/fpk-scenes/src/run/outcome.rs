@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use scene_runs::answers::Unknown;
+
 use super::pictures::PlaneAt;
 use super::record::{Series, WorkRecord};
-use crate::answers::Unknown;
 
 /// Results of a scene by a method.
 #[derive(Debug, Default)]

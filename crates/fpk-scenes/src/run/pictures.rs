@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 use fpk_sph::{Config, InitialLattice, Simulation};
 use particle_store::{Attribute, ParticleStore, write_pvd};
 use result_figures::{Drawing, Plane, Words};
+use scene_runs::kind::{RunError, SolverError};
+use scene_runs::machine::Machine;
+use scene_runs::output::write_to_disk;
 use sde_integrators::Sde;
 use serde::{Deserialize, Serialize};
 
-use crate::fpk::density::{Row, Standing};
-use crate::fpk::plane_density::plane_density;
-use crate::fpk::scene::FpkScene;
-use crate::kind::{RunError, SolverError};
-use crate::machine::Machine;
-use crate::output::write_to_disk;
+use crate::density::{Row, Standing};
+use crate::plane_density::plane_density;
+use crate::scene::FpkScene;
 
 /// Bandwidth of a plane's density over the spacing of the lattice.
 const BANDWIDTH_OVER_SPACING: f64 = 0.6;

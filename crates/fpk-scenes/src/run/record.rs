@@ -2,14 +2,14 @@
 
 use std::fmt;
 
+use scene_runs::answers::Unknown;
 use serde::{Serialize, Serializer};
 
 use super::observed::Observed;
 use super::resolutions::Resolutions;
-use crate::answers::Unknown;
-use crate::fpk::density::Exceedances;
-use crate::fpk::scene::FpkScene;
-use crate::fpk::system::System;
+use crate::density::Exceedances;
+use crate::scene::FpkScene;
+use crate::system::System;
 
 /// Keys that this kind adds to the schema `run-result/1`.
 #[derive(Debug, Serialize)]

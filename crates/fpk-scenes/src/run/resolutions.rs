@@ -1,10 +1,10 @@
 //! Error estimates of a density run from coarser runs.
 
 use fpk_sph::{Combination, Config, Error, InitialLattice, Method, StepRule};
+use scene_runs::answers::Unknown;
 
 use super::observed::Observed;
-use crate::answers::Unknown;
-use crate::fpk::density::{DensityRun, Row};
+use crate::density::{DensityRun, Row};
 
 /// Resolutions of the coarser runs, as particles along a length relative to the fine run.
 ///

@@ -2,18 +2,18 @@
 
 use mpi_ensembles::Ranks;
 use result_figures::number::with_uncertainty;
+use scene_runs::kind::{Cut, Inputs, Part, Run, RunError};
 use sde_integrators::{Estimate, GaussianMixture};
 
 use super::asked::{asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series, moment_words};
-use crate::fpk::density::Asked;
-use crate::fpk::monte_carlo::{self, SampledRow, SampledSoFar, Sampling, Shard};
-use crate::fpk::paths::Paths;
-use crate::fpk::scene::FpkScene;
-use crate::fpk::system::{System, Visitor};
-use crate::kind::{Cut, Inputs, Part, Run, RunError};
+use crate::density::Asked;
+use crate::monte_carlo::{self, SampledRow, SampledSoFar, Sampling, Shard};
+use crate::paths::Paths;
+use crate::scene::FpkScene;
+use crate::system::{System, Visitor};
 
 /// Sampled paths.
 pub(super) struct Sampled<'a> {

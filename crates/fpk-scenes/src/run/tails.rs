@@ -4,6 +4,9 @@ use random_vibration::{
     ExceedanceQuestion, GuidedConfig, GuidedPaths, Linearisation, SubsetConfig, TailError,
     TailPaths, Tails,
 };
+use scene_runs::answers::Unknown;
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::{Inputs, Run, RunError};
 use sde_integrators::{Error, GaussianMixture};
 
 use super::asked::{asked, law};
@@ -11,13 +14,10 @@ use super::linearised::order;
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
-use crate::answers::Unknown;
-use crate::clock::CpuClock;
-use crate::fpk::paths::{Paths, PathsError};
-use crate::fpk::scene::FpkScene;
-use crate::fpk::system::{System, Visitor};
-use crate::kind::{Inputs, Run, RunError};
 use crate::path_blocks::{Computed, PathBlocks};
+use crate::paths::{Paths, PathsError};
+use crate::scene::FpkScene;
+use crate::system::{System, Visitor};
 
 /// Solves the exceedances of a scene.
 pub(super) struct TailsOf<'a> {

@@ -4,8 +4,8 @@ use fpk_sph::Scheme;
 
 use super::*;
 
-const SCENE: &str = include_str!("../../../../../tests/scenes/fpk/viscous_damper.json");
-const BOUC_WEN: &str = include_str!("../../../../../tests/scenes/fpk/bouc_wen.json");
+const SCENE: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
+const BOUC_WEN: &str = include_str!("../../../../tests/scenes/fpk/bouc_wen.json");
 
 /// Replaces a text of the scene and returns the resulting message with line, column and help.
 fn mistake(from: &str, to: &str) -> (String, usize, usize, Option<String>) {
@@ -25,13 +25,13 @@ fn every_built_in_scene_is_read_and_comes_back_from_its_result() {
     for text in [
         SCENE,
         BOUC_WEN,
-        include_str!("../../../../../tests/scenes/fpk/linear_oscillator.json"),
-        include_str!("../../../../../tests/scenes/fpk/kanai_tajimi.json"),
-        include_str!("../../../../../tests/scenes/fpk/damper_kanai_tajimi.json"),
-        include_str!("../../../../../tests/scenes/fpk/duffing.json"),
-        include_str!("../../../../../tests/scenes/fpk/van_der_pol.json"),
-        include_str!("../../../../../tests/scenes/fpk/two_storey.json"),
-        include_str!("../../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"),
+        include_str!("../../../../tests/scenes/fpk/linear_oscillator.json"),
+        include_str!("../../../../tests/scenes/fpk/kanai_tajimi.json"),
+        include_str!("../../../../tests/scenes/fpk/damper_kanai_tajimi.json"),
+        include_str!("../../../../tests/scenes/fpk/duffing.json"),
+        include_str!("../../../../tests/scenes/fpk/van_der_pol.json"),
+        include_str!("../../../../tests/scenes/fpk/two_storey.json"),
+        include_str!("../../../../tests/scenes/fpk/bouc_wen_kanai_tajimi.json"),
     ] {
         let file = SceneFile::from_text("scene.json", text.to_owned()).unwrap();
         let scene: FpkScene = file.parse().unwrap();

@@ -5,12 +5,12 @@ use std::path::Path;
 use crack_inference::{Absent, Observations, Summaries};
 use peridyn_sde::CrackPath;
 use peridyn_sde::statistics::{CrackRecord, SummaryConfig};
+use scene_runs::nearest::nearest;
+use scene_runs::scene::{NamedFile, Objection};
 use sde_integrators::Accumulator;
 
 use super::scene::{InferenceScene, LoadScene};
-use crate::nearest::nearest;
-use crate::peridyn::points::csv::{Wrong, number, rows};
-use crate::scene::{NamedFile, Objection};
+use crate::points::csv::{Wrong, number, rows};
 
 const PATHS: &str = "measured.paths";
 const LOADS: &str = "measured.failure_loads";

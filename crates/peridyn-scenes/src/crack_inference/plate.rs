@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
+use scene_runs::kind::KIND_KEY;
+use scene_runs::nearest::nearest;
+use scene_runs::scene::{NamedFile, Objection, Scene, SceneError, SceneFile};
 use serde_json::{Value, json};
 
 use super::scene::InferenceScene;
-use crate::kind::KIND_KEY;
-use crate::nearest::nearest;
-use crate::peridyn::points::Cloud;
-use crate::peridyn::scene::CrackScene;
-use crate::peridyn::scene_problem::CrackProblem;
-use crate::scene::{NamedFile, Objection, Scene, SceneError, SceneFile};
+use crate::points::Cloud;
+use crate::scene::CrackScene;
+use crate::scene_problem::CrackProblem;
 
 /// The solver of a crack scene.
 const SOLVER: &str = "peridyn-sde";

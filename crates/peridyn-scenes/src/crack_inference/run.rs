@@ -16,6 +16,10 @@ use crack_inference::{
     Emulator, EmulatorMixture, Error, Observations, ParameterSpace, Posterior, SamplerConfig,
     Summaries,
 };
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::{Completed, Inputs, Output, Part, Run, RunError, SceneKind};
+use scene_runs::result_file::ResultFile;
+use scene_runs::scene::{Objection, SceneFile};
 use sde_integrators::Noise;
 
 use self::ensembles::{Ended, Ensembles, Series};
@@ -27,15 +31,12 @@ use self::record::{
 use super::measured::{Measured, SummaryError, errors, observations, summaries};
 use super::plate::{PlateError, PlateModel};
 use super::scene::{DesignScene, InferenceScene, LoadScene};
-use crate::clock::CpuClock;
-use crate::kind::{Completed, Inputs, Output, Part, Run, RunError, SceneKind};
-use crate::result_file::ResultFile;
-use crate::scene::{Objection, SceneFile};
 
 /// The value of `solver`.
 const SOLVER: &str = "peridyn-sde-inference";
 
-pub(crate) const KIND: SceneKind = SceneKind {
+/// Its line in a table of kinds.
+pub const KIND: SceneKind = SceneKind {
     solver: SOLVER,
     schema: || schemars::schema_for!(InferenceScene),
     check: |file| file.parse::<InferenceScene>().map(drop),
@@ -84,12 +85,6 @@ fn unusable(point: String, source: SummaryError) -> RunError {
     RunError::solver(Unusable { point, source })
 }
 
-impl From<Error> for RunError {
-    fn from(error: Error) -> Self {
-        Self::solver(error)
-    }
-}
-
 impl From<SummaryError> for RunError {
     fn from(error: SummaryError) -> Self {
         Self::solver(error)
@@ -134,7 +129,7 @@ fn design(
 ) -> Result<Option<Vec<Ended>>, RunError> {
     let DesignScene { points: n, realisations, .. } = inputs.scene.design;
     run.progress.stage(&format!("{n} ensembles of {realisations} realisations"));
-    let points = space.design(whole(n))?;
+    let points = space.design(whole(n)).map_err(RunError::solver)?;
     let pace = run.pace("ensembles of the design");
     let series = Series { name: "point", seed: inputs.scene.seed, realisations, n, pace };
     let Some(ranks) = run.ranks() else {
@@ -178,7 +173,8 @@ impl Study<'_> {
         let sampled = clock.seconds();
 
         let realisations = scene.predictive.realisations;
-        let draws = inferred.posterior.thinned(whole(scene.predictive.draws))?;
+        let draws =
+            inferred.posterior.thinned(whole(scene.predictive.draws)).map_err(RunError::solver)?;
         run.progress
             .stage(&format!("{} draws, each with {realisations} realisations", draws.len()));
         let pace = run.pace("ensembles of the prediction");
@@ -195,7 +191,7 @@ impl Study<'_> {
             seed: self.seed(PREDICTION),
         };
         let compared = predicted.compare(self.of_plates)?;
-        let heights = predicted.heights(&plate.abscissae())?;
+        let heights = predicted.heights(&plate.abscissae()).map_err(RunError::solver)?;
         let predictive = PredictiveRecord::new(&draws, &self.names(), &compared, &heights)?;
         let mut content = self.content(plate, &inferred, of_design, predictive)?;
         let of_all = || of_design.iter().chain(&of_draws);
@@ -222,14 +218,16 @@ impl Study<'_> {
             Error::Ensemble { ensemble, reason } => {
                 unusable(plate.words(&points[ensemble]), (*reason).into())
             }
-            other => other.into(),
+            other => RunError::solver(other),
         })?;
         let noise = Noise::new(self.seed(EMULATORS));
         let n_emulators = whole(self.scene.design.emulators);
-        let mixture = EmulatorMixture::new(&emulator, n_emulators, &noise)?;
-        let data = observations(self.of_plates, errors)?;
+        let mixture =
+            EmulatorMixture::new(&emulator, n_emulators, &noise).map_err(RunError::solver)?;
+        let data = observations(self.of_plates, errors).map_err(RunError::solver)?;
         let likelihood = |point: &[f64]| mixture.value(point, &data);
-        let posterior = Posterior::sample(self.space, &likelihood, &self.sampler())?;
+        let posterior = Posterior::sample(self.space, &likelihood, &self.sampler())
+            .map_err(RunError::solver)?;
         Ok(Inferred { emulator, posterior, data, summaries })
     }
 

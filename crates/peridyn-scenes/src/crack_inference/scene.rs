@@ -2,12 +2,11 @@
 
 use crack_inference::{Error, Parameter, ParameterSpace, Prior, SamplerConfig, Scale};
 use peridyn_sde::statistics::{LoadSummary, SummaryConfig};
+use scene_runs::scene::{Objection, Scene, WrongKey, read_keys};
 use schemars::JsonSchema;
 use sde_integrators::Noise;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-
-use crate::scene::{Objection, Scene, WrongKey, read_keys};
 
 /// Parameters of a crack scene from measured crack paths and failure loads: model, data, parameters, design of ensembles, sampler.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,7 +1,8 @@
 //! Answers of a scene of cracks: load, exit and length of cracks, and the probability of each outcome.
 
+use scene_runs::answers::{Answer, AnswerValue, Answers, ErrorOrigin, Number, Role, Statistic};
+
 use super::record::{Distributed, Record};
-use crate::answers::{Answer, AnswerValue, Answers, ErrorOrigin, Number, Role, Statistic};
 
 /// Means and standard deviations of failure load, exit and length; probabilities of outcomes.
 pub(super) fn answers(record: &Record, cpu_seconds: f64) -> Answers {

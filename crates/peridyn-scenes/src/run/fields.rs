@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use particle_store::{Attribute, Handle, ParticleStore, write_pvd};
 use peridyn_sde::{CrackRun, FinalState};
+use scene_runs::kind::{RunError, SolverError};
 
 use super::growth::{Growth, axis};
-use crate::kind::{RunError, SolverError};
-use crate::peridyn::scene::CrackScene;
-use crate::peridyn::scene_problem::CrackProblem;
+use crate::scene::CrackScene;
+use crate::scene_problem::CrackProblem;
 
 /// Writes the final state and a series over time for each realisation that the scene names, and a file for the ensemble; nothing
 /// if it names none.

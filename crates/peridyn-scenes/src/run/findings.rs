@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use peridyn_sde::statistics::CrackOutcome;
 use result_figures::number::{counted, tidy};
 use result_pages::{Cell, Chart, Note, Point, Series};
+use scene_runs::answers::{Answer, AnswerValue, Number, Statistic, Unknown};
+use scene_runs::report::{Report, cell, chart, given_cell, method_words, number_cells, table};
 
 use super::record::{Content, Distributed, Outcome, PathAt, Realisation, Record};
-use crate::answers::{Answer, AnswerValue, Number, Statistic, Unknown};
-use crate::peridyn::scene::CrackScene;
-use crate::report::{Report, cell, chart, given_cell, method_words, number_cells, table};
+use crate::scene::CrackScene;
 use crate::sources::{PARKS_2008, TIM_2019};
 
 /// Strain for a unit of the axis of loads.

@@ -2,11 +2,11 @@
 
 use peridyn_sde::{Bonds, FinalState};
 use result_pages::Motion;
+use scene_runs::kind::RunError;
 
-use crate::kind::RunError;
-use crate::peridyn::held::LoadEnd;
-use crate::peridyn::scene::CrackScene;
-use crate::peridyn::scene_problem::CrackProblem;
+use crate::held::LoadEnd;
+use crate::scene::CrackScene;
+use crate::scene_problem::CrackProblem;
 
 /// Largest number of times.
 const MOST: usize = 24;
@@ -39,7 +39,11 @@ impl Growth {
         let damage = states.iter().map(|state| follow(state, study.bonds, &steps));
         let (axis, end) = axis(problem);
         let times = steps.iter().map(|&step| end * (step as f64 / n_steps as f64)).collect();
-        Ok(Self { times, axis, damage: damage.collect::<Result<_, _>>()? })
+        Ok(Self {
+            times,
+            axis,
+            damage: damage.collect::<Result<_, _>>().map_err(RunError::solver)?,
+        })
     }
 }
 

@@ -1,11 +1,12 @@
 //! Ingredients that can be left out of a crack scene.
 
-use crate::models::Ingredient;
-use crate::models::edit::{changed, ingredient, replace};
-use crate::peridyn::scene::{CrackScene, PrecisionScene};
-use crate::peridyn::scene_body::{SurfaceScene, VolumeScene};
-use crate::peridyn::scene_dynamics::{DynamicsScene, TemperatureScene};
-use crate::peridyn::scene_field::VariationScene;
+use scene_runs::models::Ingredient;
+use scene_runs::models::edit::{changed, ingredient, replace};
+
+use crate::scene::{CrackScene, PrecisionScene};
+use crate::scene_body::{SurfaceScene, VolumeScene};
+use crate::scene_dynamics::{DynamicsScene, TemperatureScene};
+use crate::scene_field::VariationScene;
 
 /// Random fields, holes, volume and surface correction, noise, double precision.
 pub(super) fn ingredients(scene: &CrackScene) -> Vec<Ingredient> {
@@ -40,17 +41,17 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
-    use crate::scene::SceneFile;
+    use scene_runs::scene::SceneFile;
 
     #[test]
     fn what_is_left_of_a_built_in_scene_is_a_scene() {
         let expected: [(&str, &[&str]); 2] = [
             (
-                include_str!("../../../../../tests/scenes/peridyn/plate_with_hole.json"),
+                include_str!("../../../../tests/scenes/peridyn/plate_with_hole.json"),
                 &["the random strength", "the holes", "the volume correction"],
             ),
             (
-                include_str!("../../../../../tests/scenes/peridyn/white_noise_plate.json"),
+                include_str!("../../../../tests/scenes/peridyn/white_noise_plate.json"),
                 &["the noise"],
             ),
         ];

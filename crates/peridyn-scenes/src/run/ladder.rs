@@ -1,12 +1,12 @@
 //! Ladder of schemes and precisions for a crack scene.
 
+use scene_runs::kind::RunError;
+use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, whole};
+use scene_runs::scene::SceneFile;
 use serde::Serialize;
 
-use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Rung, Standing, whole};
-use crate::peridyn::scene::{CrackScene, EnsembleScene, PrecisionScene};
-use crate::peridyn::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
-use crate::scene::SceneFile;
+use crate::scene::{CrackScene, EnsembleScene, PrecisionScene};
+use crate::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
 
 /// Smallest number of realisations: those that run side by side in single precision. A bootstrap needs ten.
 const FIRST: f64 = 16.0;

@@ -3,12 +3,12 @@
 use peridyn_sde::{CrackRun, FinalState};
 use result_figures::number::short;
 use result_pages::{Frame, Layer, Motion, Place, Points, Scale};
+use scene_runs::kind::RunError;
 use sde_integrators::Estimate;
 
 use super::growth::Growth;
-use crate::kind::RunError;
-use crate::peridyn::scene::CrackScene;
-use crate::peridyn::scene_problem::CrackProblem;
+use crate::scene::CrackScene;
+use crate::scene_problem::CrackProblem;
 
 /// Realisations to choose from.
 const MOST_REALISATIONS: usize = 16;
@@ -79,11 +79,11 @@ impl<'a> Nodes<'a> {
 fn map(scene: &CrackScene, problem: &CrackProblem, run: &CrackRun) -> Result<Motion, RunError> {
     let nodes = Nodes::new(scene, problem, 3);
     let values = |estimates: &[Estimate]| estimates.iter().map(|it| it.value).collect::<Vec<f64>>();
-    let probability = values(&run.damage.probability()?);
+    let probability = values(&run.damage.probability().map_err(RunError::solver)?);
     let mut layers = vec![nodes.layer(("probability of damage", ""), vec![probability])];
     let n = run.damage.realisations().len();
     if n >= 2 {
-        let mean = run.damage.mean()?;
+        let mean = run.damage.mean().map_err(RunError::solver)?;
         layers.push(nodes.layer(("mean damage", ""), vec![values(&mean)]));
         let errors = mean.iter().map(|it| it.standard_error().unwrap_or(0.0)).collect();
         layers.push(nodes.layer(("standard error of the mean damage", ""), vec![errors]));

@@ -3,12 +3,12 @@
 use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{self, Bootstrap, CrackEnsemble, QUANTILES};
 use result_figures::{Band, Drawing, Line, PathMap, PathQuantile, Scale, TimeSeries, Words};
+use scene_runs::kind::RunError;
+use scene_runs::machine::Machine;
 
 use super::record::{LoadAt, Record, from_tip_to_exit};
-use crate::kind::RunError;
-use crate::machine::Machine;
-use crate::peridyn::scene::CrackScene;
-use crate::peridyn::scene_problem::CrackProblem;
+use crate::scene::CrackScene;
+use crate::scene_problem::CrackProblem;
 
 /// Millimetres per metre.
 const MM: f64 = 1e3;

@@ -4,14 +4,14 @@ use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{
     Band, Bootstrap, CrackEnsemble, CrackOutcome, CrackRecord, Distribution, Interval, QUANTILES,
 };
+use scene_runs::answers::{Number, Unknown};
+use scene_runs::kind::RunError;
+use scene_runs::scene::NamedFile;
 use sde_integrators::{Accumulator, Estimate};
 use serde::Serialize;
 
-use crate::answers::{Number, Unknown};
-use crate::kind::RunError;
-use crate::peridyn::scene::CrackScene;
-use crate::peridyn::scene_problem::{CrackProblem, Resolved};
-use crate::scene::NamedFile;
+use crate::scene::CrackScene;
+use crate::scene_problem::{CrackProblem, Resolved};
 
 /// Default distance of path abscissae, in spacings.
 const ABSCISSAE_EVERY: usize = 4;

@@ -9,7 +9,7 @@ use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use serde::de::IgnoredAny;
 
 use super::error::{Origin, SceneError};
-use super::retired::retired_at;
+use super::retired::{Retired, retired_at};
 use super::{Objection, WrongKey};
 use crate::nearest::nearest;
 
@@ -138,8 +138,8 @@ fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), Sc
     Ok(())
 }
 
-/// Adds the position to an error of serde; a name that the solver had once is reported with its successor.
-pub(super) fn locate(origin: &Origin, solver: &str, wrong: &WrongKey) -> SceneError {
+/// Adds the position to an error of serde; a name that the type of scene had once is reported with its successor.
+pub(super) fn locate(origin: &Origin, had_once: &[Retired], wrong: &WrongKey) -> SceneError {
     let path = wrong.path().to_string();
     let path = path.trim_start_matches('.');
     let message = in_plain_words(&wrong.inner().to_string());
@@ -155,7 +155,7 @@ pub(super) fn locate(origin: &Origin, solver: &str, wrong: &WrongKey) -> SceneEr
         let parent = if unknown_key { without_last(path, word) } else { path };
         let range = key_in(find(&tree, parent).value, word);
         let whole = join(parent, word);
-        if let Some(retired) = retired_at(solver, &whole) {
+        if let Some(retired) = retired_at(had_once, &whole) {
             let message = format!("`{word}` was removed: use {}", retired.successor);
             return SceneError::at(origin, &whole, range, message, "removed", None);
         }

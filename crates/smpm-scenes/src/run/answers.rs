@@ -1,10 +1,11 @@
 //! Answers of a scene of bodies: mean and standard deviation of each response.
 
+use scene_runs::answers::{Answer, AnswerValue, Answers, Number, Role, Statistic};
+
 use super::record::{Content, GaugeResult, QuantityResult};
 use super::response::Response;
-use crate::answers::{Answer, AnswerValue, Answers, Number, Role, Statistic};
-use crate::smpm::method_scene::MethodScene;
-use crate::smpm::scene::SmpmScene;
+use crate::method_scene::MethodScene;
+use crate::scene::SmpmScene;
 
 /// Answers that are shown first.
 const FIRST: usize = 6;

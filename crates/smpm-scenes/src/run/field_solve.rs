@@ -1,6 +1,7 @@
 //! Methods of a scene with random fields.
 
 use perturbation_moments::MonteCarlo;
+use scene_runs::kind::{Run, RunError};
 use smpm::uncertainty::{Design, FieldMoments, FieldStudy, Switch};
 use smpm::{Error, Plan};
 
@@ -9,10 +10,9 @@ use super::kept::KeptRuns;
 use super::response::{Response, Table};
 use super::samples::{Requested, Samples, SeenSamples, sampled, shards};
 use super::solve::{Answer, SolveError, Solved, checkpoint};
-use crate::kind::{Run, RunError};
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::method_scene::MethodScene;
-use crate::smpm::scene::SmpmScene;
+use crate::experiment::SceneExperiment;
+use crate::method_scene::MethodScene;
+use crate::scene::SmpmScene;
 
 /// Sample whose fields are written for ParaView.
 const SHOWN: u64 = 0;
@@ -55,7 +55,10 @@ fn solve_kept<const D: usize>(
             run.progress.stage("samples");
             let judge = MonteCarlo { seed, n_samples: samples };
             let run_samples = |_: Design, range, known: &_, each, seen: &mut SeenSamples<'_>| {
-                study.monte_carlo_from(judge, range, known, each, seen)
+                let mut seen = |so_far: &_, tried| Ok::<(), SolveError>(seen(so_far, tried)?);
+                study
+                    .monte_carlo_from(judge, range, known, each, &mut seen)
+                    .map_err(SolveError::of_runs)
             };
             let design = Design::Random(judge);
             let requested = Requested { scene, plan, design, run_samples: &run_samples };

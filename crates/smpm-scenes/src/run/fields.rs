@@ -7,15 +7,15 @@ use std::path::{Path, PathBuf};
 use particle_store::{Attribute, ParticleStore, write_pvd};
 use perturbation_moments::{Jet, Scalar};
 use result_pages::Motion;
+use scene_runs::checkpoint::{Checkpoint, CheckpointError};
+use scene_runs::kind::SolverError;
+use scene_runs::output::write_to_disk;
 use smpm::uncertainty::{Experiment, FieldStudy, Study};
 use smpm::{Body, Error, Number, Quantity, Simulation};
 
 use super::shown::Shown;
-use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::kind::SolverError;
-use crate::output::write_to_disk;
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::scene::{SmpmScene, UnitsScene};
+use crate::experiment::SceneExperiment;
+use crate::scene::{SmpmScene, UnitsScene};
 
 /// Quantities that are always written, besides those of the scene.
 const ALWAYS: [Quantity; 2] = [Quantity::Pressure, Quantity::Density];

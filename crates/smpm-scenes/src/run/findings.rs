@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use result_figures::number::{counted, percent, short};
 use result_pages::{Cell, Chart, Note, Point, Series, Source};
+use scene_runs::answers::Number;
+use scene_runs::report::{self, Report, cell, chart, given_cell, method_words, short_cell};
 
 use super::record::{Content, GaugeResult, QuantityResult};
 use super::response::Response;
-use crate::answers::Number;
-use crate::report::{self, Report, cell, chart, given_cell, method_words, short_cell};
-use crate::smpm::method_scene::MethodScene;
-use crate::smpm::scene::SmpmScene;
+use crate::method_scene::MethodScene;
+use crate::scene::SmpmScene;
 use crate::sources::{CHEN_2019, JOE_KUO_2008, SALTELLI_2010};
 
 /// Largest number of charts of Sobol' indices.

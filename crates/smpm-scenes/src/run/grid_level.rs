@@ -5,9 +5,9 @@ use smpm::uncertainty::{Experiment, FieldExperiment, FieldStudy, Keep, Study};
 use smpm::{Error, Plan};
 use uq_estimators::{Failure, Ladder, Pair};
 
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::reading::MOST_RANDOM;
-use crate::smpm::scene::SmpmScene;
+use crate::experiment::SceneExperiment;
+use crate::reading::MOST_RANDOM;
+use crate::scene::SmpmScene;
 
 /// A run as a function of the number of its random input.
 type Sample<'a> = Box<dyn Fn(u64) -> Result<Vec<f64>, Error> + Sync + 'a>;

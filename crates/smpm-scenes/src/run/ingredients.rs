@@ -1,9 +1,10 @@
 //! Ingredients that can be left out of a scene of bodies.
 
-use crate::models::Ingredient;
-use crate::models::edit::{changed, ingredient, replace};
-use crate::smpm::material_scene::MaterialScene;
-use crate::smpm::scene::{SmpmScene, ViscosityScene};
+use scene_runs::models::Ingredient;
+use scene_runs::models::edit::{changed, ingredient, replace};
+
+use crate::material_scene::MaterialScene;
+use crate::scene::{SmpmScene, ViscosityScene};
 
 /// Single random parameters, strength models, tension limits, and each refinement of the scheme.
 pub(super) fn ingredients(scene: &SmpmScene) -> Vec<Ingredient> {
@@ -64,12 +65,11 @@ mod tests {
     use serde_json::Value;
 
     use super::*;
-    use crate::scene::SceneFile;
+    use scene_runs::scene::SceneFile;
 
     #[test]
     fn what_is_left_of_a_built_in_scene_is_a_scene() {
-        let text =
-            include_str!("../../../../../tests/scenes/smpm/contact_explosion.json").to_owned();
+        let text = include_str!("../../../../tests/scenes/smpm/contact_explosion.json").to_owned();
         let scene: SmpmScene = SceneFile::from_text("a", text).unwrap().parse().unwrap();
         let all = ingredients(&scene);
         let names: Vec<&str> = all.iter().map(|ingredient| ingredient.name.as_str()).collect();

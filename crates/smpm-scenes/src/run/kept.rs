@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use scene_runs::checkpoint::Checkpoint;
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::{Limit, Pace, Run, RunError, TooLong};
 use serde::{Deserialize, Serialize};
 use smpm::uncertainty::{Keep, Standing};
-
-use crate::checkpoint::Checkpoint;
-use crate::clock::CpuClock;
-use crate::kind::{Limit, Pace, Run, RunError, TooLong};
 
 /// Content of a checkpoint for a run.
 #[derive(Debug, Serialize, Deserialize)]

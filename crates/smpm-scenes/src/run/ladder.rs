@@ -1,14 +1,14 @@
 //! Ladder of methods for mean and variance of a scene of bodies.
 
 use result_figures::number::percent;
+use scene_runs::kind::RunError;
+use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
+use scene_runs::scene::SceneFile;
 use serde::Serialize;
 
 use super::solve::DIFFERENCE;
-use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
-use crate::scene::SceneFile;
-use crate::smpm::method_scene::{DecisiveScene, MethodScene, MomentsScene, MultilevelScene};
-use crate::smpm::scene::SmpmScene;
+use crate::method_scene::{DecisiveScene, MethodScene, MomentsScene, MultilevelScene};
+use crate::scene::SmpmScene;
 
 /// Smallest number of samples.
 const FIRST_SAMPLES: f64 = 10.0;

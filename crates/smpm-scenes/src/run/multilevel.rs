@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use scene_runs::checkpoint::{Checkpoint, CheckpointError};
+use scene_runs::kind::{Inputs, Run, RunError};
+use scene_runs::scene::Objection;
 use smpm::uncertainty::FieldStudy;
 use smpm::{Error, Plan};
 use uq_estimators::{
@@ -16,12 +19,9 @@ use super::kept::KeptRuns;
 use super::multilevel_record::{MultilevelRecord, notes};
 use super::response::{GridChange, Response, Table};
 use super::solve::{Answer, SolveError, Solved};
-use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::kind::{Inputs, Run, RunError};
-use crate::scene::Objection;
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::method_scene::{DecisiveScene, MomentsScene, MultilevelScene};
-use crate::smpm::scene::SmpmScene;
+use crate::experiment::SceneExperiment;
+use crate::method_scene::{DecisiveScene, MomentsScene, MultilevelScene};
+use crate::scene::SmpmScene;
 
 /// Name of the blocks of samples in a checkpoint.
 const BLOCKS: &str = "blocks of samples";

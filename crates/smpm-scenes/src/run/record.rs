@@ -5,8 +5,8 @@ use smpm::{Plan, Quantity};
 
 use super::multilevel_record::MultilevelRecord;
 use super::response::Response;
-use crate::smpm::random_fields::PreparedField;
-use crate::smpm::scene::SmpmScene;
+use crate::random_fields::PreparedField;
+use crate::scene::SmpmScene;
 
 /// Keys that this kind adds to every result: schema `response-moments/1`.
 #[derive(Debug, Serialize)]

@@ -6,7 +6,7 @@ use serde::Serialize;
 use smpm::uncertainty::{Exceedance, Sampled, Switch};
 use smpm::{Error, Plan, Window};
 
-use crate::smpm::scene::{RandomScene, SmpmScene};
+use crate::scene::{RandomScene, SmpmScene};
 
 /// A response with its moments.
 #[derive(Debug, Clone, Serialize)]

@@ -5,15 +5,15 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use result_figures::number::with_uncertainty;
+use scene_runs::checkpoint::{Checkpoint, CheckpointError};
+use scene_runs::clock::CpuClock;
+use scene_runs::kind::{Cut, Inputs, Part, Run, RunError};
 use sde_integrators::Accumulator;
 use smpm::Plan;
 use smpm::uncertainty::{Design, Sampled};
 
 use super::kept::KeptRuns;
-use crate::checkpoint::{Checkpoint, CheckpointError};
-use crate::clock::CpuClock;
-use crate::kind::{Cut, Inputs, Part, Run, RunError};
-use crate::smpm::scene::SmpmScene;
+use crate::scene::SmpmScene;
 
 /// Name of the samples in a checkpoint.
 const SAMPLES: &str = "samples";
@@ -86,7 +86,7 @@ pub(super) fn sampled<const D: usize>(
     let Requested { scene, plan, design, run_samples } = *requested;
     let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
-    let n_runs = design.n_runs()?;
+    let n_runs = design.n_runs().map_err(RunError::solver)?;
     let range = run.range(n_runs);
     let joined = |known: Responses, seconds: f64| {
         let all = run_samples(design, range.clone(), &known, each, &mut |_, _| Ok(()))?;

@@ -4,7 +4,7 @@ use result_pages::{Frame, Layer, Motion, Place, Points, Scale};
 use serde::{Deserialize, Serialize};
 use smpm::Quantity;
 
-use crate::smpm::scene::{SmpmScene, UnitsScene};
+use crate::scene::{SmpmScene, UnitsScene};
 
 /// Frames so far: positions and columns of the particles that are shown. A checkpoint keeps them for a resumed run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

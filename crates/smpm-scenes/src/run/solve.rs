@@ -3,6 +3,9 @@
 use std::path::PathBuf;
 
 use perturbation_moments::{Jet, Moments};
+use scene_runs::checkpoint::Checkpoint;
+use scene_runs::kind::{Inputs, Part, Run, RunError};
+use scene_runs::scene::Objection;
 use smpm::uncertainty::{FrozenForm, Sampled, Study};
 use smpm::{Error, Plan, Simulation};
 
@@ -11,13 +14,10 @@ use super::kept::KeptRuns;
 use super::multilevel_record::MultilevelRecord;
 use super::response::{Response, Table};
 use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, SeenSamples, sampled, shards};
-use crate::checkpoint::Checkpoint;
-use crate::kind::{Inputs, Part, Run, RunError};
-use crate::scene::Objection;
-use crate::smpm::experiment::SceneExperiment;
-use crate::smpm::method_scene::MethodScene;
-use crate::smpm::reading::MOST_RANDOM;
-use crate::smpm::scene::SmpmScene;
+use crate::experiment::SceneExperiment;
+use crate::method_scene::MethodScene;
+use crate::reading::MOST_RANDOM;
+use crate::scene::SmpmScene;
 
 /// Keys that do not affect a run up to the first differing time, which the stored state records.
 const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
@@ -102,7 +102,8 @@ fn solve_kept<const D: usize>(
         n_runs += design.n_runs()? + if control { differences } else { 0 };
         run.progress.stage("samples");
         let run_samples = |design, range, known: &_, each, seen: &mut SeenSamples<'_>| {
-            study.sampled_from(design, range, known, each, seen)
+            let mut seen = |so_far: &_, tried| Ok::<(), SolveError>(seen(so_far, tried)?);
+            study.sampled_from(design, range, known, each, &mut seen).map_err(SolveError::of_runs)
         };
         let requested = Requested { scene, plan, design, run_samples: &run_samples };
         let sampled = match sampled(&requested, run, kept, shards)? {
@@ -236,6 +237,17 @@ pub(super) enum SolveError {
     Scene(Objection),
 }
 
+impl SolveError {
+    /// Of runs, which object to no key.
+    pub(super) fn of_runs(self) -> RunError {
+        match self {
+            Self::Solver(error) => RunError::solver(error),
+            Self::Run(error) => error,
+            Self::Scene(objection) => RunError::solver(objection),
+        }
+    }
+}
+
 impl From<Error> for SolveError {
     fn from(error: Error) -> Self {
         Self::Solver(error)
@@ -245,12 +257,6 @@ impl From<Error> for SolveError {
 impl From<Objection> for SolveError {
     fn from(objection: Objection) -> Self {
         Self::Scene(objection)
-    }
-}
-
-impl From<Error> for RunError {
-    fn from(error: Error) -> Self {
-        Self::solver(error)
     }
 }
 

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
+use scene_runs::kind::RunError;
+use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
+use scene_runs::models::Ingredient;
+use scene_runs::models::edit::{changed, ingredient, replace};
+use scene_runs::scene::SceneFile;
 use serde::Serialize;
 
 use crate::building::building_scene::{HysteresisScene, SoilScene};
 use crate::building::method_scene::BuildingMethod;
 use crate::building::scene::PassageScene;
-use crate::fpk::scene::Times;
-use crate::fpk::structure_scene::WindowScene;
-use crate::kind::RunError;
-use crate::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
-use crate::models::Ingredient;
-use crate::models::edit::{changed, ingredient, replace};
-use crate::scene::SceneFile;
+use crate::scene::Times;
+use crate::structure_scene::WindowScene;
 
 /// Smallest numbers of paths: guided, free, and of a level of subset simulation.
 const FIRST: [f64; 3] = [500.0, 1000.0, 100.0];

@@ -1,8 +1,9 @@
 //! Answers of an inference: the posterior of each parameter, and whether the model fits.
 
+use scene_runs::answers::{Answer, AnswerValue, Answers, Role, Statistic};
+
 use super::posterior_record::ParameterRecord;
 use super::record::Content;
-use crate::answers::{Answer, AnswerValue, Answers, Role, Statistic};
 
 /// Mean and standard deviation of each parameter; the share of measured values inside the predicted bands.
 pub(super) fn answers(content: &Content) -> Answers {

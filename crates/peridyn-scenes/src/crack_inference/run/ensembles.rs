@@ -4,15 +4,15 @@ use std::ops::Range;
 
 use peridyn_sde::statistics::CrackRecord;
 use peridyn_sde::{CrackRun, HaltedRun};
+use scene_runs::checkpoint::Checkpoint;
+use scene_runs::clock::CpuClock;
+use scene_runs::interrupt;
+use scene_runs::kind::{Pace, Progress, RunError, TooLong};
+use scene_runs::scene::{Objection, SceneError, SceneFile};
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::Checkpoint;
-use crate::clock::CpuClock;
 use crate::crack_inference::plate::{PlateAt, PlateModel};
-use crate::interrupt;
-use crate::kind::{Pace, Progress, RunError, TooLong};
-use crate::peridyn::so_far::CracksSoFar;
-use crate::scene::{Objection, SceneError, SceneFile};
+use crate::so_far::CracksSoFar;
 
 /// Name of the unfinished ensemble in a checkpoint.
 const UNDER_WAY: &str = "under way";

@@ -2,12 +2,12 @@
 
 use result_figures::number::{counted, percent, short};
 use result_pages::{Cell, Chart, Note, Point, Series};
+use scene_runs::answers::Number;
+use scene_runs::report::{Report, cell, chart, given_cell, number_cells, short_cell, table};
 
 use super::posterior_record::{Bin, Correlation, ParameterRecord};
 use super::record::{BandRecord, ComparedRecord, Content, Fit};
-use crate::answers::Number;
 use crate::crack_inference::scene::{InferenceScene, ScaleScene};
-use crate::report::{Report, cell, chart, given_cell, number_cells, short_cell, table};
 use crate::sources::{OHAGAN_2006, PARKS_2008, VEHTARI_2021, WOOD_2010};
 
 /// Limits of Vehtari et al. 2021, section 4.

@@ -1,12 +1,12 @@
 //! Pictures of an inference: measured paths over their prediction, and marginal posteriors over their priors.
 
 use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
+use scene_runs::kind::RunError;
+use scene_runs::machine::Machine;
 
 use super::posterior_record::{Bin, ParameterRecord};
 use super::record::PathBand;
 use crate::crack_inference::measured::MeasuredPlate;
-use crate::kind::RunError;
-use crate::machine::Machine;
 
 /// Millimetres per metre.
 const MM: f64 = 1e3;

@@ -4,11 +4,10 @@ use crack_inference::{
     Emulator, Observations, POSTERIOR_QUANTILES, Parameter, ParameterPosterior, ParameterSpace,
     Posterior, Prior, Scale, Verdict,
 };
+use scene_runs::answers::Number;
+use scene_runs::kind::RunError;
 use sde_integrators::{Estimate, Uncertainty, normal_probability};
 use serde::Serialize;
-
-use crate::answers::Number;
-use crate::kind::RunError;
 
 /// Bins of a marginal distribution, of equal width on the scale of the parameter.
 const BINS: usize = 24;
@@ -69,7 +68,9 @@ pub(super) fn parameters(
     emulator: &Emulator,
     data: &Observations,
 ) -> Result<Vec<ParameterRecord>, RunError> {
-    let errors = emulator.error_of_means(&posterior.thinned(DRAWS)?, data)?;
+    let errors = emulator
+        .error_of_means(&posterior.thinned(DRAWS).map_err(RunError::solver)?, data)
+        .map_err(RunError::solver)?;
     let of = |(i, of): (usize, &ParameterPosterior)| {
         let quantile = |(&probability, &estimate): (&f64, &Estimate)| Quantile {
             probability,

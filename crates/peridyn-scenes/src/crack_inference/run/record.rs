@@ -1,16 +1,16 @@
 //! Result file of an inference: schema `crack-inference/1`.
 
 use crack_inference::{Component, ComponentFit, Emulator, Observations, Posterior, Summaries};
+use scene_runs::answers::Number;
+use scene_runs::kind::RunError;
+use scene_runs::scene::NamedFile;
 use sde_integrators::Estimate;
 use serde::Serialize;
 
 use super::ensembles::Ended;
 use super::posterior_record::{Correlation, ParameterRecord};
 use super::predictive::{Band, Compared, share};
-use crate::answers::Number;
 use crate::crack_inference::measured::MeasuredPlate;
-use crate::kind::RunError;
-use crate::scene::NamedFile;
 
 /// Keys that this kind adds to every result.
 #[derive(Debug, Serialize)]
@@ -169,7 +169,10 @@ impl EmulatorRecord {
             without_summaries: summaries.absent().total(),
         };
         Ok(Self {
-            log_likelihood: emulator.log_likelihood(&medians, data)?.into(),
+            log_likelihood: emulator
+                .log_likelihood(&medians, data)
+                .map_err(RunError::solver)?
+                .into(),
             least_share: emulator.least_share(),
             fit: emulator.fit().iter().map(fit).collect(),
             points: ensembles.iter().zip(summaries).map(point).collect(),

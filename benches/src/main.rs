@@ -8,7 +8,7 @@ use benches::page::{PAGE, file_of, render};
 use benches::record::{
     RecordError, Recorded, TABLES, TARGETS, Tables, measured, read, write, write_text,
 };
-use scenes::machine::{self, Machine};
+use scene_runs::machine::{self, Machine};
 use sde_integrators::SimdLevel;
 
 fn main() -> ExitCode {

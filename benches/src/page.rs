@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::record::{Measured, RecordError, Recorded, TARGETS, read};
 use result_figures::markdown::{table, text};
-use scenes::machine::{commit_words, short};
+use scene_runs::machine::{commit_words, short};
 
 /// The page, from the root of the workspace.
 pub const PAGE: &str = "docs/benchmarks.md";

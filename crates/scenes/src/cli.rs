@@ -10,12 +10,12 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
+use scene_runs::checkpoint::Start;
+use scene_runs::kind::{self, Options, Part, Place, Progress};
+use scene_runs::{advise, interrupt, schema};
 
 use self::summary::Ending;
 use crate::built_in::ALL;
-use crate::checkpoint::Start;
-use crate::kind::{self, Options, Part, Place, Progress};
-use crate::{advise, interrupt, schema};
 
 /// Exit code when the reader of the output has exited.
 const BROKEN_PIPE: u8 = 141;

@@ -1,45 +1,22 @@
 #![doc = include_str!("../README.md")]
 
-pub mod advise;
-pub mod answers;
-#[cfg(feature = "fpk")]
-pub mod building;
 mod built_in;
-pub mod causes;
-pub mod checkpoint;
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod clock;
-#[cfg(feature = "peridyn")]
-pub mod crack_inference;
-#[cfg(feature = "fpk")]
-pub mod fpk;
-pub mod interrupt;
-pub mod kind;
-pub mod ladder;
-pub mod machine;
-pub mod models;
-pub mod nearest;
-pub mod output;
-mod page;
-#[cfg(feature = "fpk")]
-mod path_blocks;
-#[cfg(feature = "peridyn")]
-pub mod peridyn;
-pub mod report;
-pub mod result_file;
-pub mod scene;
-pub mod schema;
-#[cfg(feature = "smpm")]
-pub mod smpm;
 mod solve;
-pub mod sources;
 
-pub use self::answers::{Answer, Answers};
-pub use self::built_in::ALL;
-pub use self::kind::{
-    BlockRecord, Cut, Finished, Found, Inputs, JobRecord, Options, Part, Place, Progress, Run,
-    RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
+#[cfg(feature = "fpk")]
+pub use fpk_scenes::{self as fpk, building};
+#[cfg(feature = "peridyn")]
+pub use peridyn_scenes::{self as peridyn, crack_inference};
+pub use scene_runs::{
+    Answer, Answers, BlockRecord, Cut, Finished, Found, Inputs, JobRecord, Options, Part, Place,
+    Progress, Run, RunError, SceneFile, SceneKind, SolverError, advise, answers, causes, check,
+    checkpoint, clock, interrupt, kind, kind_of, ladder, machine, models, nearest, output, report,
+    result_file, run, run_on_ranks, scene, schema,
 };
-pub use self::scene::SceneFile;
+#[cfg(feature = "smpm")]
+pub use smpm_scenes as smpm;
+
+pub use self::built_in::ALL;
 pub use self::solve::solve;

@@ -1,9 +1,10 @@
 //! Solves a scene from its text, for programs that embed one.
 
-use crate::answers::Answers;
+use scene_runs::answers::Answers;
+use scene_runs::kind::{Progress, RunError, kind_of};
+use scene_runs::scene::SceneFile;
+
 use crate::built_in::ALL;
-use crate::kind::{Progress, RunError, kind_of};
-use crate::scene::SceneFile;
 
 /// Runs a scene in memory and returns its answers, each value with its error. Nothing is written.
 ///

@@ -5,17 +5,17 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use scenes::crack_inference::scene::{
+use fpk_scenes::method_scene::MethodScene as FpkMethod;
+use fpk_scenes::scene::{CloudScene, FpkScene, PlanesScene, Times};
+use peridyn_scenes::crack_inference::scene::{
     DesignScene, InferenceScene, MeasuredScene, PredictiveScene, SamplerScene,
 };
-use scenes::fpk::method_scene::MethodScene as FpkMethod;
-use scenes::fpk::scene::{CloudScene, FpkScene, PlanesScene, Times};
-use scenes::peridyn::scene::CrackScene;
-use scenes::smpm::method_scene::{MethodScene, MultilevelScene};
-use scenes::smpm::scene::{SmpmScene, TimeScene};
+use peridyn_scenes::scene::CrackScene;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use smpm_scenes::method_scene::{MethodScene, MultilevelScene};
+use smpm_scenes::scene::{SmpmScene, TimeScene};
 
 use crate::context::CaseError;
 
@@ -154,7 +154,7 @@ impl Scene {
     /// Errors of the file system.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, CaseError> {
         let path = folder.join(format!("{}.json", self.name));
-        scenes::output::write_json(&path, &self.content)?;
+        scene_runs::output::write_json(&path, &self.content)?;
         Ok(path)
     }
 
@@ -165,7 +165,7 @@ impl Scene {
     pub fn write_shorter(&self, folder: &Path) -> Result<Option<PathBuf>, CaseError> {
         let Some(shorter) = &self.shorter else { return Ok(None) };
         let path = folder.join(format!("{}-shorter.json", self.name));
-        scenes::output::write_json(&path, shorter)?;
+        scene_runs::output::write_json(&path, shorter)?;
         Ok(Some(path))
     }
 }

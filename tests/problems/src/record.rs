@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use scenes::machine;
+use scene_runs::machine;
 
 use crate::context::Profile;
 

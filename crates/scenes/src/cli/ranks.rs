@@ -5,10 +5,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use mpi_ensembles::Alone;
+use scene_runs::kind::{self, Options, Progress};
 
 use super::summary::{self, Ending};
 use crate::built_in::ALL;
-use crate::kind::{self, Options, Progress};
 
 /// Variables that MPI launchers set in their processes: OpenMPI, Hydra (MPICH, Intel MPI), PMIx alone (srun).
 const OF_LAUNCHERS: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"];

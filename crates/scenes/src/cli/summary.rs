@@ -7,8 +7,7 @@ use std::process::ExitCode;
 
 use result_figures::number::counted;
 use result_pages::Note;
-
-use crate::kind::{Finished, Found};
+use scene_runs::kind::{Finished, Found};
 
 /// What a run prints at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,7 +84,7 @@ const MOST_NOTES: usize = 2;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answers::{Answer, AnswerValue, Answers, Number, Role, Statistic};
+    use scene_runs::answers::{Answer, AnswerValue, Answers, Number, Role, Statistic};
 
     fn answer(words: &str, error: Option<f64>) -> Answer {
         let last = AnswerValue::at(10.0, Number::sampled(0.0412345, error));

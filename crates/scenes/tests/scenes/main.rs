@@ -12,3 +12,4 @@ mod peridyn;
 mod run_page;
 mod smpm;
 mod smpm_fields;
+mod sources;

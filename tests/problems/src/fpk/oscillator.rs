@@ -1,6 +1,6 @@
 //! The two oscillators of section 4.1 of Canor & Denoël 2013.
 
-use scenes::fpk::system::System;
+use fpk_scenes::system::System;
 use vibrating_systems::{LinearOscillator, ViscousDamper};
 
 /// One of the two, checked.

@@ -1,11 +1,11 @@
 //! The built-in problems: each is a scene file, and has references.
 
+use fpk_scenes::density::{self, Asked, DensityRun};
+use fpk_scenes::monte_carlo::{self, SampledRun, Sampling, Shard};
+use fpk_scenes::paths::PathsError;
+use fpk_scenes::scene::FpkScene;
+use fpk_scenes::system::System;
 use fpk_sph::{Config, Error};
-use scenes::fpk::density::{self, Asked, DensityRun};
-use scenes::fpk::monte_carlo::{self, SampledRun, Sampling, Shard};
-use scenes::fpk::paths::PathsError;
-use scenes::fpk::scene::FpkScene;
-use scenes::fpk::system::System;
 use sde_integrators::{EulerMaruyama, GaussianMixture};
 use vibrating_systems::{BoucWen, Duffing, Filtered, LinearOscillator};
 

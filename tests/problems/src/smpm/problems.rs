@@ -1,7 +1,7 @@
 //! The scenes that cases and charts look at, each with what varies between them.
 
-use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::scene::{SmpmScene, TimeScene};
+use smpm_scenes::experiment::SceneExperiment;
+use smpm_scenes::scene::{SmpmScene, TimeScene};
 
 use crate::context::CaseError;
 

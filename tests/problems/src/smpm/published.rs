@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use perturbation_moments::{Estimate, Moments, MonteCarlo};
-use scenes::smpm::reading::MOST_RANDOM;
-use scenes::smpm::scene::{BoundaryKindScene, BoundaryScene, SideScene, SmpmScene, SolidScene};
 use serde::Deserialize;
 use smpm::uncertainty::{FrozenForm, Sampled, Study};
 use smpm::{Plan, Quantity};
+use smpm_scenes::reading::MOST_RANDOM;
+use smpm_scenes::scene::{BoundaryKindScene, BoundaryScene, SideScene, SmpmScene, SolidScene};
 
 use super::problems::{Problem, experiment};
 use crate::context::CaseError;

@@ -1,13 +1,13 @@
 //! Schemes of a step by name, and what two problems show of them: a plane shock in steel, an explosion.
 
 use perturbation_moments::Moments;
-use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::reading::MOST_RANDOM;
-use scenes::smpm::scene::{
-    SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
-};
 use smpm::Simulation;
 use smpm::uncertainty::{Experiment, Study};
+use smpm_scenes::experiment::SceneExperiment;
+use smpm_scenes::reading::MOST_RANDOM;
+use smpm_scenes::scene::{
+    SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
+};
 
 use super::problems::{Problem, experiment};
 use crate::context::CaseError;

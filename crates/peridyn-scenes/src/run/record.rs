@@ -1,0 +1,317 @@
+//! Result file of an ensemble of cracks.
+
+use peridyn_sde::CrackRun;
+use peridyn_sde::statistics::{
+    Band, Bootstrap, CrackEnsemble, CrackOutcome, CrackRecord, Distribution, Interval, QUANTILES,
+};
+use scene_runs::answers::{Number, Unknown};
+use scene_runs::kind::RunError;
+use scene_runs::scene::NamedFile;
+use sde_integrators::{Accumulator, Estimate};
+use serde::Serialize;
+
+use crate::scene::CrackScene;
+use crate::scene_problem::{CrackProblem, Resolved};
+
+/// Default distance of path abscissae, in spacings.
+const ABSCISSAE_EVERY: usize = 4;
+
+/// Keys that this kind adds to every result: schema `crack-ensemble/1`.
+#[derive(Debug, Serialize)]
+pub(super) struct Content<'a> {
+    /// Files that the scene names.
+    pub(super) files: &'a [NamedFile],
+    pub(super) resolved: &'a Resolved,
+    pub(super) seed: u64,
+    pub(super) work: WorkRecord,
+    #[serde(flatten)]
+    pub(super) record: &'a Record,
+}
+
+/// Work counters.
+#[derive(Debug, Serialize)]
+pub(super) struct WorkRecord {
+    /// Steps of each realisation; none under a quasi-static load.
+    steps: Option<u64>,
+    /// Bonds times steps times realisations.
+    bond_steps: Option<u64>,
+    /// CPU time of the run on all threads.
+    cpu_seconds: f64,
+}
+
+impl WorkRecord {
+    pub(super) fn new(scene: &CrackScene, resolved: &Resolved, cpu_seconds: f64) -> Self {
+        let steps = scene.time.as_ref().map(|time| time.steps);
+        let bonds = resolved.bonds as u64 * scene.ensemble.realisations;
+        let bond_steps = steps.map(|steps| bonds * steps);
+        Self { steps, bond_steps, cpu_seconds }
+    }
+}
+
+/// Distributions of the observed quantities.
+#[derive(Debug, Serialize)]
+pub(super) struct Record {
+    /// Unknown errors, and why; nothing else is missing.
+    pub(super) unknown: Vec<Unknown>,
+    /// Realisations that ended in an error, with its text.
+    pub(super) failures: Vec<Failure>,
+    /// Probability of each outcome.
+    pub(super) outcomes: Vec<Outcome>,
+    /// Crack height at abscissae (m).
+    pub(super) path: Vec<PathAt>,
+    /// Height at which cracks leave the body (m).
+    pub(super) exit: Option<Law>,
+    /// Crack length, zero for no growth (m).
+    pub(super) length: Option<Law>,
+    /// The largest window-averaged load (N).
+    pub(super) failure_load: Option<Law>,
+    /// Number of broken bonds, without those of the notch.
+    pub(super) broken_bonds: Option<Number>,
+    /// One entry for each realisation, by number.
+    pub(super) realisations: Vec<Realisation>,
+    /// The mean load at the upper edge or the displaced region (N), window by window.
+    pub(super) load: Vec<LoadAt>,
+}
+
+/// Result of one realisation.
+#[derive(Debug, Serialize)]
+pub(super) struct Realisation {
+    pub(super) number: u64,
+    pub(super) outcome: &'static str,
+    /// Crack length (m).
+    pub(super) length: f64,
+    /// Exit height (m).
+    pub(super) exit: Option<f64>,
+    /// Failure load (N).
+    pub(super) failure_load: Option<f64>,
+    pub(super) broken_bonds: u64,
+}
+
+/// A failed realisation.
+#[derive(Debug, Serialize)]
+pub(super) struct Failure {
+    realisation: u64,
+    pub(super) reason: String,
+}
+
+/// Outcomes of realisations.
+#[derive(Debug, Serialize)]
+pub(super) struct Outcome {
+    pub(super) outcome: &'static str,
+    pub(super) probability: Number,
+}
+
+/// Distribution of a number.
+#[derive(Debug, Serialize)]
+pub(super) struct Law {
+    /// Number of realisations with a value.
+    pub(super) realisations: usize,
+    /// Number of realisations without a value.
+    pub(super) missing: usize,
+    pub(super) mean: Number,
+    /// Bootstrap confidence interval; none for fewer than 10 values.
+    pub(super) standard_deviation: Option<Interval>,
+    pub(super) quantiles: Vec<Quantile>,
+}
+
+/// A quantile.
+#[derive(Debug, Serialize)]
+pub(super) struct Quantile {
+    pub(super) probability: f64,
+    #[serde(flatten)]
+    pub(super) number: Number,
+}
+
+impl From<&Distribution> for Law {
+    fn from(law: &Distribution) -> Self {
+        let quantile = |(&probability, &estimate): (&f64, &Estimate)| Quantile {
+            probability,
+            number: estimate.into(),
+        };
+        Self {
+            realisations: law.n,
+            missing: law.missing,
+            mean: law.mean.into(),
+            standard_deviation: law.deviation,
+            quantiles: QUANTILES.iter().zip(&law.quantiles).map(quantile).collect(),
+        }
+    }
+}
+
+/// Crack height at an abscissa.
+#[derive(Debug, Serialize)]
+pub(super) struct PathAt {
+    pub(super) x: f64,
+    /// Probability that a crack reaches it.
+    pub(super) reach: Number,
+    pub(super) height: Option<Law>,
+}
+
+impl From<&Band> for PathAt {
+    fn from(band: &Band) -> Self {
+        let height = band.heights.as_ref().map(Law::from);
+        Self { x: band.x, reach: band.reach.into(), height }
+    }
+}
+
+/// Load in a window.
+#[derive(Debug, Serialize)]
+pub(super) struct LoadAt {
+    /// Centre of the window (s); none under a quasi-static load, which is observed at the end of each window.
+    time: Option<f64>,
+    /// Mean strain there; none where a region is displaced.
+    pub(super) strain: Option<f64>,
+    /// Displacement of the region there (m); none where a mean strain is prescribed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) displacement: Option<f64>,
+    pub(super) load: Number,
+    /// Standard deviation over realisations.
+    pub(super) standard_deviation: f64,
+}
+
+/// A number of each realisation and its distribution.
+pub(super) struct Distributed<'a> {
+    /// Its key in the result.
+    pub(super) key: &'static str,
+    pub(super) words: &'static str,
+    pub(super) unit: &'static str,
+    pub(super) law: &'a Law,
+}
+
+impl Record {
+    /// Distributions that are known.
+    pub(super) fn distributions(&self) -> impl Iterator<Item = Distributed<'_>> {
+        [
+            ("failure_load", "failure load", "N", &self.failure_load),
+            ("exit", "height of exit", "m", &self.exit),
+            ("length", "crack length", "m", &self.length),
+        ]
+        .into_iter()
+        .filter_map(|(key, words, unit, law)| {
+            Some(Distributed { key, words, unit, law: law.as_ref()? })
+        })
+    }
+
+    pub(super) fn new(
+        scene: &CrackScene,
+        problem: &CrackProblem,
+        run: &CrackRun,
+        ensemble: &CrackEnsemble,
+        bootstrap: &Bootstrap,
+    ) -> Result<Self, RunError> {
+        let mut unknown = Vec::new();
+        let mut law = |what: &str, law: Result<Distribution, peridyn_sde::Error>| {
+            let told = law.as_ref().map(Law::from);
+            told.map_err(|error| {
+                let (what, reason) = (what.to_owned(), error.to_string());
+                unknown.push(Unknown { what, reason });
+            })
+            .ok()
+        };
+        let exit = law("exit", ensemble.exit(bootstrap));
+        let length = law("length", ensemble.length(bootstrap));
+        let failure_load = law("failure_load", ensemble.failure_load(bootstrap));
+        let path = match ensemble.bands(&abscissae(scene, problem), bootstrap) {
+            Ok(bands) => bands.iter().map(PathAt::from).collect(),
+            Err(error) => {
+                unknown.push(Unknown { what: "path".into(), reason: error.to_string() });
+                Vec::new()
+            }
+        };
+        let ran = |id: usize| !matches!(run.records[id].outcome, CrackOutcome::Failed(_));
+        let broken = (0..run.broken.len()).filter(|&id| ran(id)).map(|id| run.broken[id] as f64);
+        let broken_bonds = mean(broken).map(|(mean, _)| mean);
+        let load = loads(scene, problem, run);
+        if broken_bonds.is_none() || load.is_empty() {
+            let reason = "fewer than two realisations ran to their end".to_owned();
+            unknown.push(Unknown { what: "broken_bonds, load".into(), reason });
+        }
+        let outcome = |&(outcome, probability): &(&'static str, Estimate)| Outcome {
+            outcome,
+            probability: probability.into(),
+        };
+        let outcomes = ensemble.outcomes().map_err(RunError::solver)?;
+        Ok(Self {
+            unknown,
+            failures: failures(ensemble),
+            outcomes: outcomes.iter().map(outcome).collect(),
+            path,
+            exit,
+            length,
+            failure_load,
+            broken_bonds,
+            realisations: run.records.iter().zip(&run.broken).map(realisation).collect(),
+            load,
+        })
+    }
+}
+
+fn realisation((record, &broken_bonds): (&CrackRecord, &u64)) -> Realisation {
+    Realisation {
+        number: record.realisation,
+        outcome: record.outcome.name(),
+        length: record.length,
+        exit: record.exit,
+        failure_load: record.failure_load,
+        broken_bonds,
+    }
+}
+
+fn failures(ensemble: &CrackEnsemble) -> Vec<Failure> {
+    let failure = |record: &CrackRecord| match &record.outcome {
+        CrackOutcome::Failed(reason) => {
+            Some(Failure { realisation: record.realisation, reason: reason.clone() })
+        }
+        _ => None,
+    };
+    ensemble.failures().filter_map(failure).collect()
+}
+
+/// Those of the scene, or every fourth spacing from the tip to the exit.
+fn abscissae(scene: &CrackScene, problem: &CrackProblem) -> Vec<f64> {
+    if !scene.output.abscissae.is_empty() {
+        return scene.output.abscissae.clone();
+    }
+    from_tip_to_exit(scene, problem).into_iter().step_by(ABSCISSAE_EVERY).collect()
+}
+
+/// Every spacing from the tip to the exit, and the exit.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "less than the columns")]
+pub(super) fn from_tip_to_exit(scene: &CrackScene, problem: &CrackProblem) -> Vec<f64> {
+    let (tip, exit) = (scene.notch.tip[0], problem.resolved.exit);
+    let spacing = scene.body.spacing;
+    let between = ((exit - tip).abs() / spacing - 1e-9).max(0.0) as u32;
+    let forward = (exit - tip).signum() * spacing;
+    (1..=between).map(|k| tip + forward * f64::from(k)).chain([exit]).collect()
+}
+
+/// Mean with standard error, and standard deviation; none for fewer than two values.
+fn mean(values: impl Iterator<Item = f64>) -> Option<(Number, f64)> {
+    let mut sample = Accumulator::default();
+    values.for_each(|value| sample.push(value));
+    Some((sample.estimate().ok()?.into(), sample.variance().ok()?.sqrt()))
+}
+
+fn loads(scene: &CrackScene, problem: &CrackProblem, run: &CrackRun) -> Vec<LoadAt> {
+    let (steps, windows) = (scene.n_steps(), scene.output.windows);
+    // Windows are without the remainder of the steps.
+    let length = (steps / windows) as f64 / steps as f64;
+    let (length, place) = match problem.resolved.duration {
+        Some(_) => (length, 0.5),
+        None => (1.0 / windows as f64, 1.0),
+    };
+    let at = |window: usize| {
+        let of_window = run.loads.iter().filter_map(|loads| loads.get(window).copied());
+        let (load, standard_deviation) = mean(of_window)?;
+        let part = (window as f64 + place) * length;
+        Some(LoadAt {
+            time: problem.resolved.duration.map(|duration| part * duration),
+            strain: problem.load_end.strain().map(|strain| part * strain),
+            displacement: problem.load_end.displacement().map(|u| part * u),
+            load,
+            standard_deviation,
+        })
+    };
+    let longest = run.loads.iter().map(Vec::len).max().unwrap_or(0);
+    (0..longest).filter_map(at).collect()
+}

@@ -1,0 +1,136 @@
+//! A scene as an experiment with random parameters.
+
+use perturbation_moments::Scalar;
+use scene_runs::scene::Objection;
+use smpm::uncertainty::{Experiment, FieldExperiment};
+use smpm::{Body, Config, Error, Fill, Number, Simulation};
+
+use super::material_scene::{MaterialScene, Numbers, Part};
+use super::random_fields::PreparedField;
+use super::reading::{MOST_RANDOM, RandomParameter};
+use super::scene::SmpmScene;
+
+/// A parsed scene: initial particles, material parameters, and which of them are random.
+#[derive(Debug)]
+pub struct SceneExperiment<const D: usize> {
+    config: Config<D>,
+    bodies: Vec<Prepared<D>>,
+    fills: Vec<Fill<D>>,
+    random: Vec<RandomParameter>,
+    fields: Vec<PreparedField>,
+}
+
+#[derive(Debug)]
+struct Prepared<const D: usize> {
+    material_name: String,
+    material: MaterialScene,
+    numbers: Numbers,
+    velocity: [f64; D],
+}
+
+impl<const D: usize> SceneExperiment<D> {
+    /// Parses a scene.
+    ///
+    /// # Errors
+    /// Those of the check of the scene.
+    pub fn new(scene: &SmpmScene) -> Result<Self, Objection> {
+        let all = scene.numbers()?;
+        let mut fills = Vec::new();
+        let prepare = |(i, body): (usize, &super::scene::BodyScene)| {
+            let (Some(material), Some(numbers)) =
+                (scene.materials.get(&body.material), all.get(body.material.as_str()))
+            else {
+                let message = format!("there is no material `{}`", body.material);
+                return Err(Objection::new(format!("bodies[{i}].material"), message));
+            };
+            fills.push(scene.fill(i)?);
+            Ok(Prepared {
+                material_name: body.material.clone(),
+                material: material.clone(),
+                numbers: numbers.clone(),
+                velocity: body.velocity.as_slice().try_into().unwrap_or([0.0; D]),
+            })
+        };
+        let bodies = scene.bodies.iter().enumerate().map(prepare).collect::<Result<_, _>>()?;
+        let fields = scene.prepared_fields(&fills)?;
+        let (config, random) = (scene.config()?, scene.random_parameters()?);
+        Ok(Self { config, bodies, fills, random, fields })
+    }
+
+    /// The random fields: their constants, terms, and the variance that the terms leave out, mean and largest.
+    pub(super) fn fields(&self) -> &[PreparedField] {
+        &self.fields
+    }
+
+    /// The constants that vary, of every particle of all bodies in order: name and values, not a number outside of the material.
+    pub(super) fn constants(&self, coefficients: &[f64]) -> Vec<(String, Vec<f64>)> {
+        let mut columns = Vec::new();
+        for field in &self.fields {
+            for (&key, name) in field.keys.iter().zip(&field.parameters) {
+                let mut column = Vec::with_capacity(self.n_particles());
+                for (b, body) in self.bodies.iter().enumerate() {
+                    let factors = field.factors(b, coefficients);
+                    if factors.is_empty() {
+                        column.extend(std::iter::repeat_n(f64::NAN, self.fills[b].positions.len()));
+                    } else {
+                        column.extend(factors.iter().map(|factor| body.numbers[&key] * factor));
+                    }
+                }
+                columns.push((name.clone(), column));
+            }
+        }
+        columns
+    }
+
+    /// Number of particles.
+    #[must_use]
+    pub fn n_particles(&self) -> usize {
+        self.fills.iter().map(|fill| fill.positions.len()).sum()
+    }
+}
+
+impl<const D: usize> Experiment<D, MOST_RANDOM> for SceneExperiment<D> {
+    fn simulation<S: Number>(&self, x: &[S; MOST_RANDOM]) -> Result<Simulation<S, D>, Error> {
+        let body = |(prepared, fill): (&Prepared<D>, &Fill<D>)| -> Result<Body<S, D>, Error> {
+            let of = |part: Part, name: &'static str| -> S {
+                let random = self.random.iter().zip(x).find(|(random, _)| {
+                    random.key == (part, name) && random.material == prepared.material_name
+                });
+                match random {
+                    Some((_, &value)) => value,
+                    None => <S as Scalar>::constant(prepared.numbers[&(part, name)]),
+                }
+            };
+            prepared.material.body(&of, fill, prepared.velocity)
+        };
+        let bodies = self.bodies.iter().zip(&self.fills).map(body).collect::<Result<_, _>>()?;
+        Simulation::new(self.config.clone(), bodies)
+    }
+}
+
+impl<const D: usize> FieldExperiment<D> for SceneExperiment<D> {
+    fn n_coefficients(&self) -> usize {
+        self.fields.iter().map(|field| field.n_terms).sum()
+    }
+
+    fn simulation<S: Number>(&self, coefficients: &[S]) -> Result<Simulation<S, D>, Error> {
+        let body = |(b, (prepared, fill)): (usize, (&Prepared<D>, &Fill<D>))| {
+            let own = self.fields.iter().filter(|field| field.material == prepared.material_name);
+            let factors: Vec<(&PreparedField, Vec<S>)> =
+                own.map(|field| (field, field.factors(b, coefficients))).collect();
+            let of = |particle: usize, part: Part, name: &'static str| -> S {
+                let constant = <S as Scalar>::constant(prepared.numbers[&(part, name)]);
+                let varies = factors.iter().find(|(field, _)| field.keys.contains(&(part, name)));
+                varies.map_or(constant, |(_, factors)| constant * factors[particle])
+            };
+            if factors.is_empty() {
+                let of = |part: Part, name: &'static str| of(0, part, name);
+                prepared.material.body(&of, fill, prepared.velocity)
+            } else {
+                prepared.material.varying_body(&of, fill, prepared.velocity)
+            }
+        };
+        let bodies = self.bodies.iter().zip(&self.fills).enumerate().map(body);
+        Simulation::new(self.config.clone(), bodies.collect::<Result<_, _>>()?)
+    }
+}

@@ -1,0 +1,441 @@
+//! Materials of a scene: library parameters, overridden parameters, random parameters.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+
+use perturbation_moments::Jet;
+use scene_runs::nearest::nearest;
+use scene_runs::scene::Objection;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use smpm::material::{
+    Detonation, ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters,
+    EquationOfState, Fluid, JohnsonCook, JohnsonCookDamage, JohnsonCookDamageParameters,
+    JohnsonCookParameters, Jwl, JwlParameters, MieGruneisen, MieGruneisenParameters, NeoHookean,
+    NeoHookeanParameters, Solid, StiffenedGas, StiffenedGasParameters, TensionCutOff, Units,
+    VonMises, VonMisesParameters,
+};
+use smpm::{Body, Error, Fill, Number};
+
+use super::material_library::entry;
+use super::material_schema;
+
+/// A material: equation of state and strength model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialScene {
+    /// Equation of state: pressure.
+    pub equation: EquationScene,
+    /// Strength model: deviatoric stress; a fluid without this key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strength: Option<StrengthScene>,
+    /// Johnson-Cook damage, for the strength `johnson_cook` only; none without this key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(schema_with = "material_schema::damage", example = ParameterScene::of_library("steel"))]
+    pub damage: Option<ParameterScene>,
+    /// Largest tension of a fluid (stress of `units`); unlimited without this key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tension_limit: Option<f64>,
+    /// Programmed burn of an explosive; required with `jwl`, and only valid with it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub detonation: Option<DetonationScene>,
+}
+
+/// An equation of state with its parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::air(), example = Self::bulk(), example = Self::rubber())]
+pub enum EquationScene {
+    /// Mie-Grüneisen: a solid or a liquid from its shock Hugoniot.
+    MieGruneisen(#[schemars(schema_with = "material_schema::mie_gruneisen")] ParameterScene),
+    /// A stiffened gas; an ideal gas with `stiffness` 0.
+    StiffenedGas(#[schemars(schema_with = "material_schema::stiffened_gas")] ParameterScene),
+    /// Jones-Wilkins-Lee with programmed burn: an explosive.
+    Jwl(#[schemars(schema_with = "material_schema::jwl")] ParameterScene),
+    /// A constant bulk modulus; with the strength `elastic`.
+    ElasticBulk(#[schemars(schema_with = "material_schema::elastic_bulk")] ParameterScene),
+    /// A compressible neo-Hookean solid: pressure and deviatoric stress together.
+    NeoHookean(#[schemars(schema_with = "material_schema::neo_hookean")] ParameterScene),
+}
+
+/// A strength with its parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::shear(), example = Self::hardening())]
+pub enum StrengthScene {
+    /// Linear elastic.
+    Elastic(#[schemars(schema_with = "material_schema::elastic")] ParameterScene),
+    /// A flow stress that increases linearly with the plastic strain.
+    VonMises(#[schemars(schema_with = "material_schema::von_mises")] ParameterScene),
+    /// Johnson-Cook: flow stress of a metal from strain, rate and temperature.
+    JohnsonCook(#[schemars(schema_with = "material_schema::johnson_cook")] ParameterScene),
+}
+
+/// Parameters by name: a library entry in the units of the scene, and overridden values.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ParameterScene {
+    /// Library entry of the parameters; without it all must be set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub library: Option<String>,
+    /// Parameters that the library lacks, or that differ from it.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub set: BTreeMap<String, f64>,
+}
+
+/// A programmed burn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DetonationScene {
+    /// Detonation point (length of `units`).
+    pub point: Vec<f64>,
+    /// Number of cells over which the front is spread (no unit).
+    pub cells: f64,
+}
+
+/// Part of a material that a parameter belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// The equation of state.
+    Equation,
+    /// The strength.
+    Strength,
+    /// The damage.
+    Damage,
+}
+
+impl Part {
+    const ALL: [(Self, &'static str); 3] =
+        [(Self::Equation, "equation"), (Self::Strength, "strength"), (Self::Damage, "damage")];
+}
+
+/// Parameters of a material.
+pub type Numbers = BTreeMap<(Part, &'static str), f64>;
+
+type Names = &'static [&'static str];
+impl EquationScene {
+    fn air() -> Self {
+        let numbers = [("density", 1.2), ("exponent", 1.4), ("stiffness", 0.0), ("pressure", 1e5)];
+        Self::StiffenedGas(ParameterScene::of_numbers(&numbers))
+    }
+
+    fn bulk() -> Self {
+        let numbers = [("density", 2700.0), ("bulk_modulus", 70e9)];
+        Self::ElasticBulk(ParameterScene::of_numbers(&numbers))
+    }
+
+    fn rubber() -> Self {
+        let numbers = [("density", 1100.0), ("shear_modulus", 0.5e6), ("bulk_modulus", 25e6)];
+        Self::NeoHookean(ParameterScene::of_numbers(&numbers))
+    }
+
+    /// The key, the parameter names and the given values.
+    fn parts(&self) -> (&'static str, Names, &ParameterScene) {
+        match self {
+            Self::MieGruneisen(given) => {
+                ("mie_gruneisen", MieGruneisenParameters::<f64>::NAMES, given)
+            }
+            Self::StiffenedGas(given) => {
+                ("stiffened_gas", StiffenedGasParameters::<f64>::NAMES, given)
+            }
+            Self::Jwl(given) => ("jwl", JwlParameters::<f64>::NAMES, given),
+            Self::ElasticBulk(given) => {
+                ("elastic_bulk", ElasticBulkParameters::<f64>::NAMES, given)
+            }
+            Self::NeoHookean(given) => ("neo_hookean", NeoHookeanParameters::<f64>::NAMES, given),
+        }
+    }
+}
+
+impl StrengthScene {
+    fn shear() -> Self {
+        Self::Elastic(ParameterScene::of_numbers(&[("shear_modulus", 26e9)]))
+    }
+
+    fn hardening() -> Self {
+        let numbers =
+            [("shear_modulus", 77.5e9), ("yield_stress", 400e6), ("hardening_modulus", 1e9)];
+        Self::VonMises(ParameterScene::of_numbers(&numbers))
+    }
+
+    /// Takes all parameters that are not overridden from another library entry.
+    pub fn take_from(&mut self, library: &str) {
+        let (Self::Elastic(given) | Self::VonMises(given) | Self::JohnsonCook(given)) = self;
+        given.library = Some(library.to_owned());
+    }
+
+    fn parts(&self) -> (&'static str, Names, &ParameterScene) {
+        match self {
+            Self::Elastic(given) => ("elastic", ElasticShearParameters::<f64>::NAMES, given),
+            Self::VonMises(given) => ("von_mises", VonMisesParameters::<f64>::NAMES, given),
+            Self::JohnsonCook(given) => {
+                ("johnson_cook", JohnsonCookParameters::<f64>::NAMES, given)
+            }
+        }
+    }
+}
+
+impl ParameterScene {
+    fn of_numbers(numbers: &[(&str, f64)]) -> Self {
+        let set = numbers.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+        Self { library: None, set }
+    }
+
+    fn of_library(name: &str) -> Self {
+        Self { library: Some(name.to_owned()), set: BTreeMap::new() }
+    }
+
+    /// Every parameter of a part, by name; `model` is the key of its model.
+    fn read(
+        &self,
+        (part, model, names): (Part, &str, Names),
+        units: Units,
+        path: &str,
+        numbers: &mut Numbers,
+    ) -> Result<(), Objection> {
+        let base = match &self.library {
+            None => Vec::new(),
+            Some(name) => entry(model, name, units).ok_or_else(|| {
+                let message = format!("the library has no `{name}` for this model");
+                Objection::new(format!("{path}.library"), message).with_help(
+                    "mie_gruneisen has steel, copper, aluminium, water; jwl has tnt; von_mises has copper; johnson_cook has steel, steel_as_published, copper; damage has steel",
+                )
+            })?,
+        };
+        if let Some(name) = self.set.keys().find(|name| !names.contains(&name.as_str())) {
+            let message = format!("there is no parameter `{name}`");
+            let hint = match nearest(name, names.iter().copied()) {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => format!("available: {}", names.join(", ")),
+            };
+            return Err(Objection::new(format!("{path}.set.{name}"), message).with_help(hint));
+        }
+        for &name in names {
+            let of_library = || base.iter().find(|(known, _)| *known == name).map(|(_, v)| *v);
+            let value = self.set.get(name).copied().or_else(of_library).ok_or_else(|| {
+                let message = format!("the parameter `{name}` is missing");
+                Objection::new(path, message).with_help(format!(
+                    "give it under `set`, or a `library`; the model needs {}",
+                    names.join(", ")
+                ))
+            })?;
+            numbers.insert((part, name), value);
+        }
+        Ok(())
+    }
+}
+
+/// Builds a body: every pair of an equation of state and a strength model, for one number type and dimension.
+type BodyOf<S, const D: usize> = fn(
+    &MaterialScene,
+    &dyn Fn(Part, &'static str) -> S,
+    &Fill<D>,
+    [f64; D],
+) -> Result<Body<S, D>, Error>;
+
+/// Bodies compiled with this crate, once for all programs that run scenes; none in unit tests.
+#[inline(never)]
+fn compiled() -> &'static [&'static (dyn Any + Send + Sync)] {
+    const OF_NUMBERS: (BodyOf<f64, 1>, BodyOf<f64, 2>, BodyOf<f64, 3>) =
+        (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
+    const OF_JETS: (BodyOf<Jet, 1>, BodyOf<Jet, 2>, BodyOf<Jet, 3>) =
+        (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
+    static ALL: &[&(dyn Any + Send + Sync)] = if cfg!(test) {
+        &[]
+    } else {
+        &[&OF_NUMBERS.0, &OF_NUMBERS.1, &OF_NUMBERS.2, &OF_JETS.0, &OF_JETS.1, &OF_JETS.2]
+    };
+    ALL
+}
+
+impl MaterialScene {
+    /// All its parameters.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a missing or unknown parameter, and to incompatible parts.
+    pub fn numbers(&self, units: Units, path: &str) -> Result<Numbers, Objection> {
+        let mut numbers = Numbers::new();
+        let (key, names, given) = self.equation.parts();
+        let at = format!("{path}.equation.{key}");
+        given.read((Part::Equation, key, names), units, &at, &mut numbers)?;
+        if let Some(strength) = &self.strength {
+            let (key, names, given) = strength.parts();
+            let at = format!("{path}.strength.{key}");
+            given.read((Part::Strength, key, names), units, &at, &mut numbers)?;
+        }
+        if let Some(given) = &self.damage {
+            let names = JohnsonCookDamageParameters::<f64>::NAMES;
+            let at = format!("{path}.damage");
+            given.read((Part::Damage, "damage", names), units, &at, &mut numbers)?;
+        }
+        self.check_parts(path)?;
+        Ok(numbers)
+    }
+
+    fn check_parts(&self, path: &str) -> Result<(), Objection> {
+        use EquationScene as E;
+        use StrengthScene as Y;
+        let known = matches!(
+            (&self.equation, &self.strength),
+            (E::MieGruneisen(_), _)
+                | (E::StiffenedGas(_) | E::Jwl(_) | E::NeoHookean(_), None)
+                | (E::ElasticBulk(_), Some(Y::Elastic(_)))
+        );
+        if !known {
+            let message = "this equation of state does not go with this strength";
+            return Err(Objection::new(path, message).with_help(
+                "mie_gruneisen goes with any; elastic_bulk with elastic; stiffened_gas, jwl and neo_hookean with none",
+            ));
+        }
+        if self.damage.is_some() && !matches!(self.strength, Some(Y::JohnsonCook(_))) {
+            let message = "damage goes with the strength `johnson_cook` only";
+            return Err(Objection::new(format!("{path}.damage"), message));
+        }
+        let fluid = matches!((&self.equation, &self.strength), (E::MieGruneisen(_), None));
+        if self.tension_limit.is_some() && !fluid {
+            let message = "a tension limit goes with `mie_gruneisen` without strength only";
+            return Err(Objection::new(format!("{path}.tension_limit"), message)
+                .with_help("a solid spalls by `damage`"));
+        }
+        if matches!(self.equation, E::Jwl(_)) != self.detonation.is_some() {
+            let message = "`detonation` goes with `jwl`, and `jwl` with it";
+            return Err(Objection::new(path, message));
+        }
+        Ok(())
+    }
+
+    /// Key of a parameter such as `equation.s1`.
+    ///
+    /// # Errors
+    /// An [`Objection`] at `path` with the nearest name.
+    pub fn parameter(
+        numbers: &Numbers,
+        name: &str,
+        path: &str,
+    ) -> Result<(Part, &'static str), Objection> {
+        let words: Vec<(String, (Part, &'static str))> = numbers
+            .keys()
+            .map(|&(part, name)| {
+                let word = Part::ALL.iter().find(|(p, _)| *p == part).map_or("", |(_, word)| word);
+                (format!("{word}.{name}"), (part, name))
+            })
+            .collect();
+        words.iter().find(|(word, _)| word == name).map(|(_, key)| *key).ok_or_else(|| {
+            let message = format!("the material has no parameter `{name}`");
+            let hint = match nearest(name, words.iter().map(|(word, _)| word.as_str())) {
+                Some(nearest) => format!("did you mean `{nearest}`?"),
+                None => "e.g. `equation.s1` or `strength.a`".to_owned(),
+            };
+            Objection::new(path, message).with_help(hint)
+        })
+    }
+
+    /// A body of the material, with numbers that may be random.
+    ///
+    /// # Errors
+    /// Errors of the model.
+    pub fn body<S: Number, const D: usize>(
+        &self,
+        of: &dyn Fn(Part, &'static str) -> S,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Body<S, D>, Error> {
+        if const { !cfg!(test) && S::IS_COMPILED && D <= 3 } {
+            let made = compiled().iter().find_map(|body| body.downcast_ref::<BodyOf<S, D>>());
+            match made {
+                Some(body) => body(self, of, fill, velocity),
+                None => unreachable!("bodies of these numbers are compiled"),
+            }
+        } else {
+            self.make_body(of, fill, velocity)
+        }
+    }
+
+    fn make_body<S: Number, const D: usize>(
+        &self,
+        of: &dyn Fn(Part, &'static str) -> S,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Body<S, D>, Error> {
+        let given =
+            |part: Part| move |name: &'static str| -> Result<S, Error> { Ok(of(part, name)) };
+        let equation = given(Part::Equation);
+        match &self.equation {
+            EquationScene::MieGruneisen(_) => {
+                let equation =
+                    MieGruneisen::new(MieGruneisenParameters::try_from_names(equation)?)?;
+                match self.tension_limit {
+                    Some(limit) => {
+                        let equation = TensionCutOff::new(equation, S::constant(limit))?;
+                        Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+                    }
+                    None => self.with_strength(equation, of, fill, velocity),
+                }
+            }
+            EquationScene::StiffenedGas(_) => {
+                let equation =
+                    StiffenedGas::new(StiffenedGasParameters::try_from_names(equation)?)?;
+                Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+            }
+            EquationScene::Jwl(_) => {
+                let burn = self.detonation.as_ref();
+                let coordinate =
+                    |k: usize| burn.and_then(|burn| burn.point.get(k)).copied().unwrap_or(0.0);
+                let detonation = Detonation {
+                    point: std::array::from_fn(coordinate),
+                    cells: burn.map_or(0.0, |burn| burn.cells),
+                };
+                let equation = Jwl::new(JwlParameters::try_from_names(equation)?, detonation)?;
+                Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+            }
+            EquationScene::ElasticBulk(_) => {
+                let equation = ElasticBulk::new(ElasticBulkParameters::try_from_names(equation)?)?;
+                let parameters = ElasticShearParameters::try_from_names(given(Part::Strength))?;
+                let strength = ElasticShear::new(parameters)?;
+                Body::new(Solid { equation, strength }, fill, velocity)
+            }
+            EquationScene::NeoHookean(_) => {
+                let material = NeoHookean::new(NeoHookeanParameters::try_from_names(equation)?)?;
+                Body::new(material, fill, velocity)
+            }
+        }
+    }
+
+    fn with_strength<S: Number, E: EquationOfState<S> + 'static, const D: usize>(
+        &self,
+        equation: E,
+        of: &dyn Fn(Part, &'static str) -> S,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Body<S, D>, Error>
+    where
+        E::State: 'static,
+    {
+        let given =
+            |part: Part| move |name: &'static str| -> Result<S, Error> { Ok(of(part, name)) };
+        let strength = given(Part::Strength);
+        match &self.strength {
+            None => Body::new(Solid { equation, strength: Fluid }, fill, velocity),
+            Some(StrengthScene::Elastic(_)) => {
+                let strength =
+                    ElasticShear::new(ElasticShearParameters::try_from_names(strength)?)?;
+                Body::new(Solid { equation, strength }, fill, velocity)
+            }
+            Some(StrengthScene::VonMises(_)) => {
+                let strength = VonMises::new(VonMisesParameters::try_from_names(strength)?)?;
+                Body::new(Solid { equation, strength }, fill, velocity)
+            }
+            Some(StrengthScene::JohnsonCook(_)) => {
+                let flow = JohnsonCookParameters::try_from_names(strength)?;
+                if self.damage.is_some() {
+                    let damage = JohnsonCookDamageParameters::try_from_names(given(Part::Damage))?;
+                    let strength = JohnsonCookDamage::new(flow, damage)?;
+                    Body::new(Solid { equation, strength }, fill, velocity)
+                } else {
+                    let strength = JohnsonCook::new(flow)?;
+                    Body::new(Solid { equation, strength }, fill, velocity)
+                }
+            }
+        }
+    }
+}

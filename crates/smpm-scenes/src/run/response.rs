@@ -1,0 +1,276 @@
+//! Responses of a plan with their moments.
+
+use perturbation_moments::{Estimate, Moments, Uncertainty};
+use result_figures::number::short;
+use serde::Serialize;
+use smpm::uncertainty::{Exceedance, Sampled, Switch};
+use smpm::{Error, Plan, Window};
+
+use crate::scene::{RandomScene, SmpmScene};
+
+/// A response with its moments.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Response {
+    /// Start and end of the window; equal for an instant.
+    pub(super) window: [f64; 2],
+    /// Value at the centre of the parameters.
+    pub(super) centre: f64,
+    pub(super) mean: f64,
+    /// Standard error of the mean, if sampled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mean_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) variance_standard_error: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) standard_deviation: Option<f64>,
+    /// Trust in a Taylor series.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) trust: Option<Indicators>,
+    /// Parts of the variance, if they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) sobol_indices: Vec<Shares>,
+    /// What the next coarser grid changes, if a multilevel estimate used it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) change_from_coarser_grid: Option<GridChange>,
+    /// Levels and their exceedance probabilities.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) exceedance: Vec<Chance>,
+}
+
+impl Response {
+    /// The end of its window.
+    pub(super) const fn time(&self) -> f64 {
+        self.window[1]
+    }
+
+    /// Whether it is of one time and not of a window.
+    pub(super) const fn is_instant(&self) -> bool {
+        self.window[0] >= self.window[1]
+    }
+
+    /// Error of the standard deviation, from that of the variance to first order.
+    pub(super) fn deviation_error(&self) -> Option<f64> {
+        let deviation = self.standard_deviation.filter(|&deviation| deviation > 0.0)?;
+        Some(self.variance_standard_error? / (2.0 * deviation))
+    }
+
+    /// How the errors of its moments are known, in words.
+    pub(super) fn how(&self) -> String {
+        match (&self.trust, self.mean_standard_error, self.standard_deviation) {
+            (_, Some(_), _) => "standard error of the samples".to_owned(),
+            (Some(Indicators { curvature_ratio: Some(ratio), .. }), ..) => {
+                format!("Taylor series, no error estimate; curvature ratio {}", short(Some(*ratio)))
+            }
+            (Some(_), ..) => "Taylor series, no error estimate".to_owned(),
+            (None, None, Some(_)) => "no error estimate".to_owned(),
+            (None, None, None) => "one run, no error estimate".to_owned(),
+        }
+    }
+}
+
+/// Difference of a mean between the grid of the scene and the next coarser one.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct GridChange {
+    coarser_cell: f64,
+    mean: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mean_standard_error: Option<f64>,
+}
+
+impl GridChange {
+    pub(super) fn new(coarser_cell: f64, mean: &Estimate) -> Self {
+        Self { coarser_cell, mean: mean.value, mean_standard_error: error_of(mean) }
+    }
+}
+
+/// Trust indicators of a Taylor series.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Indicators {
+    /// Square root of the variance by curvature over that by slope.
+    ///
+    /// Below 0.03 the variance is mostly accurate within one per cent.
+    ///
+    /// Unknown without mixed derivatives or where nothing varies.
+    pub(super) curvature_ratio: Option<f64>,
+    /// Distance to an elastic-plastic switch at the end of the window, in standard deviations.
+    ///
+    /// None without yielding at the gauge.
+    pub(super) switch_distance: Option<f64>,
+    /// The distance is below two.
+    pub(super) switch_within_two_deviations: bool,
+}
+
+/// Parts of the variance of a response that a parameter causes.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Shares {
+    pub(super) parameter: String,
+    /// First-order index: what it causes alone.
+    pub(super) first: f64,
+    pub(super) first_standard_error: f64,
+    /// Total index: what would remain if all others were fixed.
+    pub(super) total: f64,
+    pub(super) total_standard_error: f64,
+    /// Part of the variance that a fitted polynomial leaves: an index may be off by it, besides its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) unexplained: Option<f64>,
+}
+
+/// A level and its exceedance probability.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Chance {
+    pub(super) level: f64,
+    pub(super) probability: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) standard_error: Option<f64>,
+    /// `normal_law` from the moments, `count` of samples, or `differences` of counts over grids, which may lie outside of 0 to 1 by
+    /// their standard error.
+    pub(super) by: &'static str,
+}
+
+fn error_of(estimate: &Estimate) -> Option<f64> {
+    match estimate.uncertainty {
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
+        Uncertainty::Unknown => None,
+    }
+}
+
+/// Responses of a plan at the centre.
+pub(super) struct Table<'a, const D: usize> {
+    pub(super) scene: &'a SmpmScene,
+    pub(super) plan: &'a Plan<D>,
+    pub(super) centre: &'a [f64],
+}
+
+impl<const D: usize> Table<'_, D> {
+    pub(super) fn each(
+        &self,
+        mut fill: impl FnMut(usize, Response) -> Result<Response, Error>,
+    ) -> Result<Vec<Response>, Error> {
+        let start = |(i, &centre): (usize, &f64)| {
+            let Window { from, to } = self.plan.windows[self.plan.parts(i).2];
+            let response = Response {
+                window: [from, to],
+                centre,
+                mean: centre,
+                mean_standard_error: None,
+                variance: None,
+                variance_standard_error: None,
+                standard_deviation: None,
+                trust: None,
+                sobol_indices: Vec::new(),
+                change_from_coarser_grid: None,
+                exceedance: Vec::new(),
+            };
+            fill(i, response)
+        };
+        self.centre.iter().enumerate().map(start).collect()
+    }
+
+    pub(super) fn levels(&self, response: usize) -> &[f64] {
+        let (_, quantity, _) = self.plan.parts(response);
+        let name = self.plan.quantities[quantity].to_string();
+        self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
+    }
+
+    /// With moments of samples, and the shares of them that exceed levels.
+    pub(super) fn sampled(
+        &self,
+        i: usize,
+        response: Response,
+        sampled: &Sampled,
+        (mean, variance): (&Estimate, &Estimate),
+    ) -> Result<Response, Error> {
+        let mut response = response.with_moments(mean.value, variance.value);
+        response.mean_standard_error = error_of(mean);
+        response.variance_standard_error = error_of(variance);
+        for &level in self.levels(i) {
+            let chance = sampled.exceedance(i, level)?;
+            let (probability, standard_error) = (chance.value, error_of(&chance));
+            response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
+        }
+        Ok(response)
+    }
+
+    /// With estimates of moments and of the probabilities of its levels.
+    pub(super) fn estimated<'b>(
+        &self,
+        i: usize,
+        response: Response,
+        (mean, variance): (&Estimate, &Estimate),
+        chances: impl Iterator<Item = &'b Estimate>,
+    ) -> Response {
+        let mut response = response.with_moments(mean.value, variance.value);
+        response.mean_standard_error = error_of(mean);
+        response.variance_standard_error = error_of(variance);
+        let chance = |(&level, chance): (&f64, &Estimate)| {
+            let (probability, standard_error) = (chance.value, error_of(chance));
+            Chance { level, probability, standard_error, by: "differences" }
+        };
+        response.exceedance = self.levels(i).iter().zip(chances).map(chance).collect();
+        response
+    }
+
+    /// Sobol' indices by parameter; those of a polynomial leave a part of the variance unexplained.
+    pub(super) fn shares(
+        &self,
+        first: &[Estimate],
+        total: &[Estimate],
+        unexplained: Option<f64>,
+    ) -> Vec<Shares> {
+        let error = |estimate: &Estimate| error_of(estimate).unwrap_or(f64::INFINITY);
+        let of = |(random, (first, total)): (&RandomScene, (&Estimate, &Estimate))| Shares {
+            parameter: random.parameter.clone(),
+            first: first.value,
+            first_standard_error: error(first),
+            total: total.value,
+            total_standard_error: error(total),
+            unexplained,
+        };
+        self.scene.random.iter().zip(first.iter().zip(total)).map(of).collect()
+    }
+
+    /// With the moments of a Taylor series.
+    pub(super) fn taylor<const N: usize>(
+        &self,
+        i: usize,
+        response: Response,
+        moments: &Moments<N>,
+        switch: Option<&Switch>,
+    ) -> Result<Response, Error> {
+        // Without curvature the mean is that of first order.
+        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
+        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
+        self.series(i, response, (mean, moments.variance_first_order()), (curvature, switch))
+    }
+
+    /// With mean and variance of a Taylor series, its variance by curvature over that by slope, and the distance to a switch.
+    pub(super) fn series(
+        &self,
+        i: usize,
+        response: Response,
+        (mean, variance): (f64, f64),
+        (curvature, switch): (Option<f64>, Option<&Switch>),
+    ) -> Result<Response, Error> {
+        let mut response = response.with_moments(mean, variance);
+        response.trust = Some(Indicators {
+            curvature_ratio: curvature.map(f64::sqrt),
+            switch_distance: switch.map(|s| s.at_end).filter(|distance| distance.is_finite()),
+            switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
+        });
+        for &level in self.levels(i) {
+            let Exceedance { probability, .. } = Exceedance::of_normal((mean, variance), level)?;
+            let (standard_error, by) = (None, "normal_law");
+            response.exceedance.push(Chance { level, probability, standard_error, by });
+        }
+        Ok(response)
+    }
+}
+
+impl Response {
+    pub(super) fn with_moments(self, mean: f64, variance: f64) -> Self {
+        let standard_deviation = Some(variance.max(0.0).sqrt());
+        Self { mean, variance: Some(variance), standard_deviation, ..self }
+    }
+}

@@ -1,0 +1,267 @@
+//! Methods of a scene.
+
+use std::path::PathBuf;
+
+use perturbation_moments::{Jet, Moments};
+use scene_runs::checkpoint::Checkpoint;
+use scene_runs::kind::{Inputs, Part, Run, RunError};
+use scene_runs::scene::Objection;
+use smpm::uncertainty::{FrozenForm, Sampled, Study};
+use smpm::{Error, Plan, Simulation};
+
+use super::fields::Fields;
+use super::kept::KeptRuns;
+use super::multilevel_record::MultilevelRecord;
+use super::response::{Response, Table};
+use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, SeenSamples, sampled, shards};
+use crate::experiment::SceneExperiment;
+use crate::method_scene::MethodScene;
+use crate::reading::MOST_RANDOM;
+use crate::scene::SmpmScene;
+
+/// Keys that do not affect a run up to the first differing time, which the stored state records.
+const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
+/// Half width of a central difference that no scene sets, in standard deviations.
+pub(super) const DIFFERENCE: f64 = 0.1;
+
+/// Result of a run.
+#[derive(Debug)]
+pub(super) enum Solved {
+    /// The complete answer.
+    Whole(Answer),
+    /// The file of a shard.
+    Shard(PathBuf),
+    /// Another rank holds the result.
+    Elsewhere,
+}
+
+/// Complete answer of a scene.
+#[derive(Debug)]
+pub(super) struct Answer {
+    /// In the order of the plan.
+    pub(super) responses: Vec<Response>,
+    pub(super) n_steps: usize,
+    pub(super) n_runs: u64,
+    pub(super) cpu_seconds: f64,
+    pub(super) failures: Vec<(u64, String)>,
+    /// What a reader must know of the estimate.
+    pub(super) notes: Vec<String>,
+    /// Grids of a multilevel estimate.
+    pub(super) multilevel: Option<MultilevelRecord>,
+}
+
+/// Runs the method of a scene with random parameters.
+pub(super) fn solve<'a, const D: usize>(
+    scene: &SmpmScene,
+    experiment: &SceneExperiment<D>,
+    plan: &Plan<D>,
+    fields: &mut Fields<'a>,
+    run: &'a Run<'_>,
+) -> Result<Solved, SolveError> {
+    let kept = KeptRuns::new(checkpoint(scene, run)?, run);
+    fields.resume(kept.checkpoint).map_err(RunError::from)?;
+    let solved = solve_kept(scene, experiment, plan, fields, run, &kept);
+    // The study knows only that it was not kept.
+    kept.into_failure().map_or(solved, |failure| Err(SolveError::Run(failure)))
+}
+
+/// Checkpoint of a scene whose samples are neither merged nor distributed over ranks.
+pub(super) fn checkpoint<'a>(
+    scene: &SmpmScene,
+    run: &'a Run<'_>,
+) -> Result<Option<&'a Checkpoint>, RunError> {
+    if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
+        return Ok(None);
+    }
+    let (seed, aside) = match scene.design() {
+        Some(design) => (Some(design.seed()), ASIDE_OF_SAMPLES.as_slice()),
+        None => (None, ASIDE.as_slice()),
+    };
+    run.checkpoint(&Inputs { scene, seed, files: &[] }, aside).map(Some)
+}
+
+/// Solves the scene with runs that resume from stored ones.
+fn solve_kept<const D: usize>(
+    scene: &SmpmScene,
+    experiment: &SceneExperiment<D>,
+    plan: &Plan<D>,
+    fields: &mut Fields<'_>,
+    run: &Run<'_>,
+    kept: &KeptRuns<'_>,
+) -> Result<Solved, SolveError> {
+    // A file that is no shard of this scene is rejected before any run.
+    let shards = shards(scene, plan, run)?;
+    let inputs = scene.inputs()?;
+    run.progress.stage("reference run");
+    let study = Study::kept_by(experiment, inputs, plan.clone(), kept)?;
+    let table = Table { scene, plan, centre: study.centre() };
+    let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
+    let differences = 2 * scene.random.len() as u64;
+    let responses = if let Some(design) = scene.design() {
+        let control = scene.method.has_taylor_control();
+        n_runs += design.n_runs()? + if control { differences } else { 0 };
+        run.progress.stage("samples");
+        let run_samples = |design, range, known: &_, each, seen: &mut SeenSamples<'_>| {
+            let mut seen = |so_far: &_, tried| Ok::<(), SolveError>(seen(so_far, tried)?);
+            study.sampled_from(design, range, known, each, &mut seen).map_err(SolveError::of_runs)
+        };
+        let requested = Requested { scene, plan, design, run_samples: &run_samples };
+        let sampled = match sampled(&requested, run, kept, shards)? {
+            Samples::All(sampled, elsewhere) => {
+                seconds_elsewhere = elsewhere;
+                sampled
+            }
+            Samples::Shard(file) => return Ok(Solved::Shard(file)),
+            Samples::Elsewhere => return Ok(Solved::Elsewhere),
+        };
+        let surrogates = if control {
+            run.progress.stage("differences of whole runs, for the control variate");
+            study.finite_difference(DIFFERENCE)?
+        } else {
+            Vec::new()
+        };
+        failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
+        of_samples(&table, &sampled, &surrogates)?
+    } else {
+        let (responses, more_runs) = expanded(&study, &table, fields, run)?;
+        n_runs += more_runs;
+        responses
+    };
+    let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
+    let n_steps = study.schedule().n_steps();
+    let (notes, multilevel) = (Vec::new(), None);
+    let answer = Answer { responses, n_steps, n_runs, cpu_seconds, failures, notes, multilevel };
+    Ok(Solved::Whole(answer))
+}
+
+/// Responses from samples: with a Taylor series or a fitted polynomial as control variate, with Sobol' indices, or as they are.
+fn of_samples<const D: usize>(
+    table: &Table<'_, D>,
+    sampled: &Sampled,
+    surrogates: &[Moments<MOST_RANDOM>],
+) -> Result<Vec<Response>, Error> {
+    let polynomial = match table.scene.method {
+        MethodScene::QuasiMonteCarlo { control: true, .. } => Some(sampled.polynomial_control()?),
+        _ => None,
+    };
+    table.each(|i, response| {
+        let mut shares = Vec::new();
+        let found = match (&polynomial, surrogates.get(i)) {
+            (Some(polynomial), _) => {
+                let found = polynomial.moments(&sampled.values(i)?)?;
+                shares = table.shares(&found.first, &found.total, Some(found.unexplained));
+                found.moments
+            }
+            (None, Some(moments)) => sampled.controlled(i, moments)?,
+            (None, None) => sampled.raw(i)?,
+        };
+        let is_design = matches!(table.scene.method, MethodScene::SobolIndices { .. });
+        if is_design && found.variance.value > 0.0 {
+            let indices = sampled.sobol_indices(i)?;
+            shares = table.shares(&indices.first, &indices.total, None);
+        }
+        let response = table.sampled(i, response, sampled, (&found.mean, &found.variance))?;
+        Ok(Response { sobol_indices: shares, ..response })
+    })
+}
+
+/// Responses by a method without samples, and its number of runs besides the reference run.
+fn expanded<const D: usize>(
+    study: &Study<'_, SceneExperiment<D>, D, MOST_RANDOM>,
+    table: &Table<'_, D>,
+    fields: &mut Fields<'_>,
+    run: &Run<'_>,
+) -> Result<(Vec<Response>, u64), Error> {
+    Ok(match table.scene.method {
+        MethodScene::Deterministic
+        | MethodScene::MonteCarlo { .. }
+        | MethodScene::QuasiMonteCarlo { .. }
+        | MethodScene::SobolIndices { .. }
+        | MethodScene::Multilevel(_) => {
+            fields.of_numbers(study)?;
+            (table.each(|_, response| Ok(response))?, 0)
+        }
+        MethodScene::Frozen { as_printed } => {
+            run.progress.stage("local formulas");
+            let form = if as_printed { FrozenForm::Printed } else { FrozenForm::Corrected };
+            let moments = study.frozen(form)?;
+            let of = |i: usize, response| match &moments[i] {
+                Some(moments) => table.taylor(i, response, moments, None),
+                None => Ok(response),
+            };
+            (table.each(of)?, 1)
+        }
+        MethodScene::Propagated => {
+            run.progress.stage("run with derivatives");
+            let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
+                fields.of_jets(time, run, table.scene.random.len());
+            })?;
+            fields.are_shown();
+            let of = |i: usize, response| {
+                let switch = Some(&propagated.switches[i]);
+                table.taylor(i, response, &propagated.moments[i], switch)
+            };
+            (table.each(of)?, 1)
+        }
+        MethodScene::FiniteDifference { step } => {
+            run.progress.stage("differences of whole runs");
+            let moments = study.finite_difference(step)?;
+            let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
+            (table.each(of)?, 2 * table.scene.random.len() as u64)
+        }
+        MethodScene::ForwardDifference { step } => {
+            run.progress.stage("one-sided differences of whole runs");
+            let moments = study.forward_difference(step)?;
+            let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
+            (table.each(of)?, table.scene.random.len() as u64)
+        }
+        MethodScene::SigmaPoints => {
+            run.progress.stage("sigma points");
+            let points = study.sigma_points()?;
+            let of = |i: usize, response: Response| {
+                Ok(response.with_moments(points[i].mean(), points[i].variance()))
+            };
+            (table.each(of)?, 2 * table.scene.random.len() as u64)
+        }
+    })
+}
+
+/// Error of a scene.
+#[derive(Debug)]
+pub(super) enum SolveError {
+    /// The solver rejected its input or stopped.
+    Solver(Error),
+    /// Error outside the solver.
+    Run(RunError),
+    /// A key of the scene.
+    Scene(Objection),
+}
+
+impl SolveError {
+    /// Of runs, which object to no key.
+    pub(super) fn of_runs(self) -> RunError {
+        match self {
+            Self::Solver(error) => RunError::solver(error),
+            Self::Run(error) => error,
+            Self::Scene(objection) => RunError::solver(objection),
+        }
+    }
+}
+
+impl From<Error> for SolveError {
+    fn from(error: Error) -> Self {
+        Self::Solver(error)
+    }
+}
+
+impl From<Objection> for SolveError {
+    fn from(objection: Objection) -> Self {
+        Self::Scene(objection)
+    }
+}
+
+impl From<RunError> for SolveError {
+    fn from(error: RunError) -> Self {
+        Self::Run(error)
+    }
+}

@@ -81,7 +81,7 @@ fn choices(scenes: &[Scene]) -> Vec<Choice<'_>> {
                 costs
             };
             choices.push(Choice {
-                scene: &scene.title,
+                scene: scene.title,
                 quantity: quantity.name,
                 title: &quantity.title,
                 reference_error: quantity.reference_error,

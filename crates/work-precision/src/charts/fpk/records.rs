@@ -1,15 +1,16 @@
 //! Cost and error of a run of a method, and their charts.
 
 use result_figures::{
-    Drawing, DrawingError, Measure, Method, Run, RunOutcome, Words, WorkPrecision,
+    Drawing, DrawingError, Measure, Method, Reference, Run, RunOutcome, Words, WorkPrecision,
 };
 use scenes::machine::Machine;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use crate::charts::fpk::cost_in_seconds;
+use super::runs::Question;
+use crate::charts::cost::cost_in_seconds;
 
 /// One run of one method for one quantity.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Record {
     /// The quantity.
     pub(super) quantity: String,
@@ -28,23 +29,40 @@ pub(super) struct Record {
 /// One scene with the results of all methods.
 pub(super) struct Scene {
     /// Prefix of the names of its charts.
-    pub(super) name: &'static str,
-    pub(super) title: String,
+    name: &'static str,
+    pub(super) title: &'static str,
     /// Quantities, moments first.
     pub(super) quantities: Vec<Quantity>,
     pub(super) records: Vec<Record>,
 }
 
-/// One quantity.
+impl Scene {
+    pub(super) const fn new(name: &'static str, title: &'static str) -> Self {
+        Self { name, title, quantities: Vec::new(), records: Vec::new() }
+    }
+
+    /// Takes in the quantities of a question, and what a method found.
+    pub(super) fn add<const D: usize>(&mut self, question: &Question<D>, records: Vec<Record>) {
+        self.quantities.extend(question.quantities.iter().cloned());
+        self.records.extend(records);
+    }
+}
+
+/// One quantity: both moments, or the probabilities of some times and thresholds, of which the worst counts.
+#[derive(Debug, Clone)]
 pub(super) struct Quantity {
     pub(super) name: &'static str,
     pub(super) title: String,
     /// Relative error of its reference.
     pub(super) reference_error: f64,
+    /// Indices of time and threshold with the reference; none for moments.
+    pub(super) cells: Vec<((usize, usize), Reference)>,
+    /// Probability below which a cell needs no guide.
+    pub(super) smallest: f64,
 }
 
 /// Result or failure of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Outcome {
     /// A deterministic result with its relative error against the reference.
@@ -133,7 +151,7 @@ pub(super) fn charts(scene: &Scene) -> Result<Vec<Drawing>, DrawingError> {
             .collect();
         let words = Words {
             title: quantity.title.clone(),
-            subtitle: scene.title.clone(),
+            subtitle: scene.title.into(),
             x_label: "CPU time on one thread (s)".into(),
             y_label: "relative error".into(),
             caption: vec![

@@ -1,8 +1,5 @@
 //! Bitwise identical results at every level, for ordinary numbers and at the ends of the range.
 
-#[path = "shared/number.rs"]
-mod any_number;
-
 use proptest::prelude::*;
 use simd_lanes::{
     Float, Lanes, MOST_LANES, Mask, Registers, SimdLevel, Work, dispatch, dispatch_narrow, exp, ln,
@@ -38,7 +35,7 @@ fn alone(numbers: &[f64]) -> Vec<[u64; 6]> {
 proptest! {
     #[test]
     fn every_level_gives_the_bits_of_one_number_alone(
-        numbers in prop::collection::vec(any_number::number(-700.0..700.0, 4), 0..70)
+        numbers in prop::collection::vec(crate::any_number::number(-700.0..700.0, 4), 0..70)
     ) {
         let expected = alone(&numbers);
         let mut results = vec![[0.0; 6]; numbers.len()];
@@ -123,7 +120,7 @@ fn agrees<T: Float>(numbers: &[T], bits: impl Fn(T) -> u64) {
 proptest! {
     #[test]
     fn registers_of_every_level_have_the_bits_of_single_numbers(
-        numbers in prop::collection::vec(any_number::number(-700.0..700.0, 4), 17..70)
+        numbers in prop::collection::vec(crate::any_number::number(-700.0..700.0, 4), 17..70)
     ) {
         agrees(&numbers, |x| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() });
         #[expect(clippy::cast_possible_truncation, reason = "the nearest number, or infinite")]

@@ -1,11 +1,8 @@
 //! Errors in units of the last place, against a reference of about 100 bits.
 
-#[path = "shared/reference.rs"]
-mod reference;
-
 use std::f64::consts::FRAC_PI_4;
 
-use reference::{Double, reference_exp, reference_ln, reference_sin_cos};
+use crate::reference::{Double, reference_exp, reference_ln, reference_sin_cos};
 use simd_lanes::{exp, ln, minus_twice_ln, power, sin_cos};
 
 /// The largest error over points with bits of every kind.

@@ -7,18 +7,6 @@ use std::f64::consts::PI;
 /// What the documentation promises of the marginals.
 const PROMISED: f64 = 1e-10;
 
-/// Runs a law in one to six dimensions.
-macro_rules! in_every_dimension {
-    ($law:ident) => {
-        $law::<1>();
-        $law::<2>();
-        $law::<3>();
-        $law::<4>();
-        $law::<5>();
-        $law::<6>();
-    };
-}
-
 /// `∫_a^b f` by Simpson's rule: another rule than the crate's.
 fn simpson(f: impl Fn(f64) -> f64, a: f64, b: f64, panels: u32) -> f64 {
     let width = (b - a) / f64::from(panels);
@@ -40,7 +28,7 @@ fn second_moments_of_lucy_are_the_closed_ones() {
         let kappa = Kernel::<D>::second_moment(&Lucy);
         assert!((kappa / expected - 1.0).abs() < 1e-13, "{D}: {kappa} {expected}");
     }
-    in_every_dimension!(closed);
+    in_every_dimension!(closed());
 }
 
 #[test]
@@ -78,7 +66,7 @@ fn marginal_has_mass_one_and_the_second_moment<const D: usize>() {
 
 #[test]
 fn marginal_of_every_kernel_has_mass_one_and_its_second_moment() {
-    in_every_dimension!(marginal_has_mass_one_and_the_second_moment);
+    in_every_dimension!(marginal_has_mass_one_and_the_second_moment());
 }
 
 fn distribution_is_the_integral<const D: usize>() {
@@ -115,7 +103,7 @@ fn distribution_is_the_integral<const D: usize>() {
 
 #[test]
 fn distribution_of_every_kernel_is_the_integral_of_its_density() {
-    in_every_dimension!(distribution_is_the_integral);
+    in_every_dimension!(distribution_is_the_integral());
 }
 
 /// Where a panel ends near `x` the integrand is least smooth: points of every size, from the edge down to zero.
@@ -189,7 +177,7 @@ fn transform_has_the_sign_it_should<const D: usize>() {
 
 #[test]
 fn only_wendland_functions_have_a_positive_fourier_transform() {
-    in_every_dimension!(transform_has_the_sign_it_should);
+    in_every_dimension!(transform_has_the_sign_it_should());
 }
 
 /// The density is the slope of the distribution, which rises from 0 to 1 and is even about one half.

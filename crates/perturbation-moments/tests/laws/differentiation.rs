@@ -1,15 +1,11 @@
 //! Jets, dual numbers, closed forms and differences against each other.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
-
-mod responses;
-
+use crate::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{
     CentralDifferences, Error, Expansion, ForwardDifferentiation, Gradient, HighestOrder, Jet,
     Moments, MonteCarlo, RandomVector, Response, Scalar, SigmaPoints, Slopes, Verdict,
 };
 use proptest::prelude::*;
-use responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 
 /// Every operation of a scalar at least once, smooth for positive inputs.
 struct Everything;

@@ -1,7 +1,5 @@
 //! Extension traits as a user implements them: a way to compute derivatives, and a response.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
-
 use perturbation_moments::{
     CentralDifferences, Derivatives, Error, Expansion, ForwardDifferentiation, HighestOrder, Known,
     Moments, RandomVector, Response, Scalar, Verdict,

@@ -1,7 +1,5 @@
 //! What moments obey whatever the response: exact for the polynomials they are exact for, the same in every coordinates.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
-
 use perturbation_moments::{
     AlongDirections, Error, Expansion, Marginal, Moments, MonteCarlo, RandomVector, Verdict,
 };

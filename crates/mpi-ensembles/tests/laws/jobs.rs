@@ -1,7 +1,5 @@
 //! Properties of every job: each block once, results in order, named failures, no finished block lost.
 
-#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 use std::error::Error;

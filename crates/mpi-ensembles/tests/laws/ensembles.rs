@@ -1,7 +1,5 @@
 //! An ensemble of sde-integrators on ranks: bitwise identical to one process, including quantiles.
 
-#![allow(clippy::unwrap_used, reason = "a setup that fails should fail the test")]
-
 use std::thread;
 
 use mpi_ensembles::{InMemory, Job, Ranks, ThreadRank};

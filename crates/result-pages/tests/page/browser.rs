@@ -1,13 +1,10 @@
 //! The page in a browser: skipped, by this name, where none is installed.
 
-mod drive;
-mod sample;
-
 use std::io::Write;
 
-use drive::{axe, browser, drive, violations, width_in_a_narrow_frame};
+use crate::drive::{axe, browser, drive, violations, width_in_a_narrow_frame};
+use crate::sample::page;
 use result_pages::render;
-use sample::page;
 
 #[test]
 fn a_reader_moves_points_sorts_and_switches_without_an_error_or_a_request() {

@@ -1,11 +1,9 @@
 //! Content of a page, without a browser.
 
-mod sample;
-
+use crate::sample::{HOSTILE, page};
 use result_pages::{
     Cell, Frame, Layer, Motion, Page, PageError, Place, Points, Scale, Table, render,
 };
-use sample::{HOSTILE, page};
 
 /// Size that a page without large fields must not exceed.
 const MOST_BYTES: usize = 3_000_000;

@@ -42,6 +42,7 @@ pub const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
 pub const STABILITY: &[ChartKind] = &[
     stability::fpk::MAP,
     stability::smpm::MAP,
+    stability::peridyn::z::MAP,
     stability::peridyn::noise::MAP,
     stability::peridyn::horizon::MAP,
 ];

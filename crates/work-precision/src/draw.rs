@@ -239,9 +239,7 @@ mod tests {
 
     #[test]
     fn unknown_names_and_failed_runs_are_errors() {
-        let run = |name: &str| {
-            draw(&TABLE, &options(&[name], PathBuf::new()), &mut Vec::new())
-        };
+        let run = |name: &str| draw(&TABLE, &options(&[name], PathBuf::new()), &mut Vec::new());
         match run("smaple").unwrap_err() {
             ChartsError::NoMatch { help, .. } => assert_eq!(help, "did you mean `sample`?"),
             other => panic!("{other}"),

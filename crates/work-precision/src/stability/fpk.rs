@@ -1,6 +1,7 @@
 //! Stability limits of `fpk-sph` on the damper of Canor & Denoël 2013, section 4.1.
 //!
-//! Swept are the support radius, the step, half-width and particle count of the lattice, and the exponent of the damper.
+//! Swept are the support radius, the step, half-width and particle count of the lattice, the time, and the exponent of the
+//! damper; for forward Euler time and step.
 //!
 //! The predicted step is the diffusion limit of Runge-Kutta 4,
 //!
@@ -11,7 +12,7 @@
 //! 81 x 81 particles and steps of at most 0.01. It is 4 times the trace of 41 x 41, since `F` is in spacings.
 
 use fpk_sph::score::LatticePlaces;
-use fpk_sph::{Combination, Config, InitialLattice, Method, Simulation, StepRule};
+use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 use particle_store::Lattice;
 use result_figures::{Drawing, Scale};
@@ -26,7 +27,7 @@ use reference_problems::fpk::problem::Problem;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "fpk",
-    title: "the flow-map fit on the damper: reach, step, lattice, exponent",
+    title: "the flow-map fit on the damper: reach, step, lattice, time, exponent; forward Euler",
     draw,
 };
 
@@ -48,6 +49,8 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let (id, name, method) = ("flow-map-fit", "flow-map fit", Method::FlowMapFit);
     drawings.push(damper.reach_and_step(n, id, name, method)?);
     drawings.push(damper.lattice(n, id, name, method)?);
+    drawings.push(damper.time(n, id, name, method)?);
+    drawings.push(damper.forward_euler(n)?);
     drawings.push(damper.exponent(n)?);
     Ok(drawings)
 }
@@ -220,6 +223,60 @@ impl Damper {
             across: linear(n, 2.5, 8.5),
             upwards: logarithmic(n, 9.0, 81.0),
             boundary: None,
+            tolerance: TOLERANCE,
+            work_limit: MOST_STEPS,
+            run: &run,
+        };
+        Ok(panel.sweep()?)
+    }
+
+    /// The noise decays from t = 6 on and the cloud collapses onto a slow manifold.
+    fn time(&self, n: u32, id: &str, name: &str, method: Method) -> Result<Drawing, CaseError> {
+        let run = |time: f64, count: f64, work: &mut Work| {
+            self.error(method.combination(), InitialLattice::box_of(odd(count)), time.round(), work)
+        };
+        let panel = Panel {
+            name: format!("fpk-time-{id}"),
+            words: words(
+                format!("{name}: time and particles"),
+                "E[q²] of the damper; the noise decays from t = 6 on, to 3e-4 at t = 10",
+                ["time (s)", "particles along an axis"],
+                "Reach of the lattice: 6 standard deviations.",
+            ),
+            scale: Scale::Log,
+            across: vec![1.0, 2.0, 4.0, 6.0, 7.0, 8.0, 10.0],
+            upwards: logarithmic(n, 15.0, 81.0),
+            boundary: None,
+            tolerance: TOLERANCE,
+            work_limit: MOST_STEPS,
+            run: &run,
+        };
+        Ok(panel.sweep()?)
+    }
+
+    fn forward_euler(&self, n: u32) -> Result<Drawing, CaseError> {
+        let run = |time: f64, dt: f64, work: &mut Work| {
+            let combination = Combination {
+                scheme: Scheme::ForwardEuler,
+                step: StepRule::Fixed { dt },
+                ..Method::FlowMapFit.combination()
+            };
+            self.error(combination, InitialLattice::box_of(31), time.round(), work)
+        };
+        let omega_squared = std::f64::consts::PI.powi(2);
+        let growth = |time: f64| Some(TOLERANCE.ln_1p() / (omega_squared * time));
+        let panel = Panel {
+            name: "fpk-forward-euler".into(),
+            words: words(
+                "forward Euler: time and step".into(),
+                "E[q²] of the damper, flow-map fit, 31 x 31 particles",
+                ["time (s)", "step (s)"],
+                "Boundary: an undamped oscillator grows by exp(ω² dt t) in energy; the damper takes part of it out.",
+            ),
+            scale: Scale::Log,
+            across: vec![1.0, 2.0, 4.0, 6.0],
+            upwards: logarithmic(n, 5e-4, 0.1),
+            boundary: Some(("growth of 1 % in energy", &growth)),
             tolerance: TOLERANCE,
             work_limit: MOST_STEPS,
             run: &run,

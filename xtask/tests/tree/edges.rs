@@ -1,21 +1,14 @@
 //! Edges between packages of the workspace match those that `docs/ARCHITECTURE.md` states.
 
-#[path = "shared/packages.rs"]
-mod packages;
-
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use packages::{packages, word};
+use crate::folder::root;
+use crate::packages::{packages, word};
 use serde_json::Value;
 
 /// Dependencies of a package: always, and for its tests only.
 type Edges = BTreeMap<String, [BTreeSet<String>; 2]>;
-
-fn workspace() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 /// Packages of the workspace and their edges.
 fn edges() -> Edges {
@@ -47,7 +40,7 @@ fn rows(edges: &Edges) -> Vec<String> {
 #[test]
 fn the_page_of_the_architecture_states_all_edges_and_no_other() {
     const HEAD: &str = "| from | to | for tests alone |\n|---|---|---|\n";
-    let page = std::fs::read_to_string(workspace().join("docs/ARCHITECTURE.md")).expect("the page");
+    let page = std::fs::read_to_string(root().join("docs/ARCHITECTURE.md")).expect("the page");
     let (_, rest) = page.split_once(HEAD).expect("the table of edges");
     let stated: Vec<&str> = rest.lines().take_while(|line| line.starts_with('|')).collect();
     let found = rows(&edges());
@@ -91,7 +84,7 @@ fn scenes_of_one_solver_build_no_other() {
         let run = Command::new(env!("CARGO"))
             .args(tree)
             .args(["--prefix", "none", "--features", feature])
-            .current_dir(workspace())
+            .current_dir(root())
             .output()
             .expect("cargo tree");
         let text = String::from_utf8_lossy(&run.stdout);

@@ -24,25 +24,18 @@
 //!
 //! `records/held.rs` finds numbers without a key on the pages that must have one.
 
-#[path = "shared/folder.rs"]
-mod folder;
-#[path = "records/held.rs"]
 mod held;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use folder::files;
+use crate::folder::{files, root};
 use serde_json::Value;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
 const RECORD: &str = "docs/verification.json";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 // ---- a page ----
 

@@ -3,21 +3,13 @@
 //! A page shows an excerpt of a source by a line `<!-- source: PATH#NAME -->`, with the path from the root, and the
 //! following code block. In the source the excerpt is between `// docs: NAME` and `// docs: end`.
 
-#[path = "shared/folder.rs"]
-mod folder;
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use folder::files;
+use crate::folder::{files, root};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
-
-/// The root of the workspace.
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 // ---- excerpts of sources ----
 
@@ -238,7 +230,7 @@ fn named_paths(page: &str) -> Vec<String> {
 
 /// Whether a path exists from the root, from the folder of the page, or from a crate.
 ///
-/// For example, `tests/laws.rs` is that of a crate.
+/// For example, `tests/laws` is that of a crate.
 fn is_there(page: &Path, path: &str) -> std::io::Result<bool> {
     let mut starts = vec![root(), page.parent().map(Path::to_owned).unwrap_or_default()];
     for entry in fs::read_dir(root().join("crates"))? {

@@ -1,13 +1,9 @@
 //! Every mutant of `cargo xtask audit claims` still applies, and the cases that have to catch it exist.
 
-#[path = "shared/folder.rs"]
-mod folder;
-
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use folder::files;
+use crate::folder::{files, root};
 use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
@@ -27,11 +23,6 @@ const CRATES: [&str; 14] = [
     "uq-estimators",
     "vibrating-systems",
 ];
-
-/// The root of the workspace.
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 fn mutants() -> Vec<Value> {
     let path = root().join("xtask/src/audit/mutants.json");

@@ -4,18 +4,13 @@
 //! it names. A re-export is no use: a user of the name uses the file that defines it. Roots and test-only code are
 //! excluded.
 
-#[path = "shared/folder.rs"]
-mod folder;
-#[path = "shared/packages.rs"]
-mod packages;
-#[path = "circles/reader.rs"]
 mod reader;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use folder::files;
-use packages::{packages, word};
+use crate::folder::files;
+use crate::packages::{packages, word};
 use reader::{Names, Reader};
 
 /// Files that a file uses, and the first path of each use.

@@ -6,6 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::folder::root;
+
 /// Platform for the numbers of crates.
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 
@@ -20,13 +22,9 @@ const CATEGORIES: [&str; 7] = [
     "visualization",
 ];
 
-fn workspace() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
 /// Folders of the crates to be published.
 fn crates() -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(workspace().join("crates")).expect("the folder of the crates");
+    let entries = std::fs::read_dir(root().join("crates")).expect("the folder of the crates");
     let mut folders: Vec<_> = entries.map(|entry| entry.expect("an entry").path()).collect();
     folders.sort_unstable();
     assert!(folders.len() >= 8, "{folders:?}");
@@ -62,7 +60,7 @@ fn n_crates(name: &str, features: &[&str]) -> usize {
         .args(tree)
         .args(shape)
         .args(features)
-        .current_dir(workspace())
+        .current_dir(root())
         .output()
         .expect("cargo tree");
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
@@ -116,8 +114,7 @@ fn a_page_has_a_picture_that_is_there_and_words_for_who_cannot_see_it() {
 fn a_page_says_when_not_to_use_the_crate_and_which_rust_it_needs() {
     let rust = format!(
         "Rust {}",
-        table(&read(&workspace(), "Cargo.toml"), "workspace.package")["rust-version"]
-            .trim_matches('"')
+        table(&read(&root(), "Cargo.toml"), "workspace.package")["rust-version"].trim_matches('"')
     );
     for folder in crates() {
         let page = read(&folder, "README.md").to_lowercase();
@@ -155,7 +152,7 @@ fn a_manifest_has_what_the_registry_and_the_documentation_ask_for() {
         assert!(quoted(&documentation["rustdoc-args"]).contains(&"katex-header.html"));
         assert!(folder.join("katex-header.html").is_file(), "{}", name(&folder));
         for licence in ["LICENSE-MIT", "LICENSE-APACHE"] {
-            assert_eq!(read(&folder, licence), read(&workspace(), licence), "{}", name(&folder));
+            assert_eq!(read(&folder, licence), read(&root(), licence), "{}", name(&folder));
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! There are two bodies: a block of 31 nodes per side, that of `benches/rivals/lammps_peridynamics.py`, and a plate of
 //! 100 x 100 nodes. The horizon is 3.015 spacings, strains are about 1e-4, no bond breaks. An element is a bond,
-//! counted once, in one realisation. One thread.
+//! counted once, in one realisation, on one thread.
 //!
 //! Paths named `solid` are those of the linear peridynamic solid: dilatation of each node, then forces.
 //!

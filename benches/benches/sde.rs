@@ -96,7 +96,7 @@ fn scalar_euler(damper: impl Fn(f64) -> f64) -> f64 {
     sum / f64::from(N_PATHS)
 }
 
-/// `E[q^2]` at the end by Strang's splitting; `flow(v, dt)` is that of the damper. One normal for each half kick.
+/// `E[q^2]` at the end by Strang's splitting; `flow(v, dt)` is that of the damper. Each half kick takes one normal.
 fn scalar_strang(flow: impl Fn(f64, f64) -> f64) -> f64 {
     let (omega, c) = (black_box(PI), 2.0 * black_box(0.01) * PI);
     let decay = (-0.5 * c * DT).exp();

@@ -1,9 +1,9 @@
-//! Steps of the material point method: throughput of each scheme, and cost of derivatives over `f64`.
+//! Steps of the material point method on one thread: throughput of each scheme, and cost of derivatives over `f64`.
 //!
 //! Particle updates per second are compared with the memory roof.
 //!
 //! The body is a square of 160 000 elastic particles, four per cell, plane strain, that stretches, shears and rotates:
-//! every particle moves and some change cells in every step. One thread. The roof is a pass that reads and writes the
+//! every particle moves and some change cells in every step. The roof is a pass that reads and writes the
 //! bytes of the particles that a step must read and write: the limit by memory bandwidth. Also with 16 particles per cell,
 //! for a cube of 64 000 particles with eight per cell, and by wall time with two threads.
 //!

@@ -99,11 +99,4 @@ mod tests {
             );
         }
     }
-
-    #[test]
-    fn a_scene_runs_into_a_folder_of_its_own() {
-        let words = arguments(&RUNS[2]).join(" ");
-        assert!(words.starts_with("run --release --quiet --package scenes -- run "), "{words}");
-        assert!(words.ends_with("target/gallery/peridyn-sde --overwrite"), "{words}");
-    }
 }

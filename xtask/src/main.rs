@@ -148,7 +148,7 @@ fn run_package(package: &str, checked: bool, arguments: &[String]) -> ExitCode {
         }
         return start(cargo().args(run_arguments(package, &build_options(arguments), arguments)));
     }
-    let built = start(cargo().args(["test", "--workspace", "--no-run", "--quiet"]));
+    let built = start(cargo().args(["test", "--workspace", "--tests", "--no-run", "--quiet"]));
     if built != ExitCode::SUCCESS {
         return built;
     }

@@ -34,17 +34,15 @@ type Lines = BTreeMap<String, [u64; 2]>;
 
 /// The command line after `weight`.
 pub(crate) fn run(arguments: &[String]) -> ExitCode {
-    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let (is_record, is_build) = match words[..] {
-        [] => (false, false),
-        [RECORD] => (true, false),
-        [RECORD, "--build"] | ["--build", RECORD] => (true, true),
-        ["--help" | "-h"] => return print(HELP),
-        _ => {
-            say(HELP);
-            return ExitCode::from(USAGE);
-        }
-    };
+    let has = |word: &str| arguments.iter().any(|argument| argument == word);
+    let (is_record, is_build) = (has(RECORD), has("--build"));
+    if has("--help") {
+        return print(HELP);
+    }
+    if arguments.len() != usize::from(is_record) + usize::from(is_build) || is_build && !is_record {
+        say(HELP);
+        return ExitCode::from(USAGE);
+    }
     match weigh(is_record, is_build) {
         Ok(table) => print(&table),
         Err(error) => {
@@ -63,20 +61,8 @@ fn weigh(is_record: bool, is_build: bool) -> Result<String, String> {
     let table = table(&lines, &recorded);
     if is_build {
         for (profile, build) in [
-            (
-                "release",
-                &[
-                    "build",
-                    "--release",
-                    "-p",
-                    "scenes",
-                    "-p",
-                    "verification",
-                    "-p",
-                    "work-precision",
-                ][..],
-            ),
-            ("test", &["test", "--workspace", "--no-run"]),
+            ("release", "build --release -p scenes -p verification -p work-precision"),
+            ("test", "test --workspace --no-run"),
         ] {
             recorded["cpu_seconds"][profile] = json!(cpu_seconds(&root, build, lines.keys())?);
         }
@@ -128,18 +114,14 @@ fn place(path: &str) -> (&str, bool) {
 fn table(lines: &Lines, recorded: &Value) -> String {
     let mut text = format!("{:<24}{:>8}{:>8}{:>9}\n", "lines of Rust", "src", "tests", "change");
     let (mut sums, mut before_all) = ([0; 2], 0);
-    for (name, [src, tests]) in lines {
-        let before = ["src", "tests"].map(|key| recorded["lines"][name][key].as_u64().unwrap_or(0));
-        let before = before[0] + before[1];
-        text.push_str(&row(name, [*src, *tests], before));
+    let gone = recorded["lines"].as_object().into_iter().flatten().map(|(name, _)| name);
+    for name in lines.keys().chain(gone.filter(|name| !lines.contains_key(*name))) {
+        let before: u64 =
+            ["src", "tests"].iter().filter_map(|key| recorded["lines"][name][key].as_u64()).sum();
+        let [src, tests] = lines.get(name).copied().unwrap_or_default();
+        text.push_str(&row(name, [src, tests], before));
         sums = [sums[0] + src, sums[1] + tests];
         before_all += before;
-    }
-    let gone = recorded["lines"].as_object().into_iter().flatten();
-    for (name, entry) in gone.filter(|(name, _)| !lines.contains_key(*name)) {
-        let before = ["src", "tests"].map(|key| entry[key].as_u64().unwrap_or(0));
-        text.push_str(&row(name, [0; 2], before[0] + before[1]));
-        before_all += before[0] + before[1];
     }
     text.push_str(&row("sum", sums, before_all));
     for (profile, seconds) in recorded["cpu_seconds"].as_object().into_iter().flatten() {
@@ -164,7 +146,7 @@ fn row(name: &str, [src, tests]: [u64; 2], before: u64) -> String {
 /// Builds from nothing; returns CPU seconds by package, other crates as `dependencies`.
 fn cpu_seconds<'a>(
     root: &Path,
-    build: &[&str],
+    build: &str,
     packages: impl Iterator<Item = &'a String>,
 ) -> Result<BTreeMap<String, f64>, String> {
     let folder = root.join("target/weight");
@@ -173,7 +155,7 @@ fn cpu_seconds<'a>(
     let error = |error: std::io::Error| format!("{}: {error}", folder.display());
     std::fs::create_dir_all(&folder).map_err(error)?;
     let status = cargo()
-        .args(build)
+        .args(build.split_whitespace())
         .arg("--locked")
         .current_dir(root)
         .env("CARGO_TARGET_DIR", &folder)
@@ -181,20 +163,17 @@ fn cpu_seconds<'a>(
         .env(UNITS, &units)
         .status();
     if !status.is_ok_and(|status| status.success()) {
-        return Err(format!("cargo {} failed", build.join(" ")));
+        return Err(format!("cargo {build} failed"));
     }
     let ours: BTreeMap<String, String> =
         packages.map(|name| (name.replace('-', "_"), name.clone())).collect();
-    let mut seconds = BTreeMap::new();
+    let mut seconds: BTreeMap<String, f64> = BTreeMap::new();
     for line in std::fs::read_to_string(&units).map_err(error)?.lines() {
         let (unit, of_unit) = line.split_once(' ').unwrap_or((line, "0"));
         let package = ours.get(unit).map_or("dependencies", String::as_str);
         *seconds.entry(package.to_owned()).or_insert(0.0) += of_unit.parse().unwrap_or(0.0);
     }
-    for sum in seconds.values_mut() {
-        *sum = f64::round(*sum);
-    }
-    Ok(seconds)
+    Ok(seconds.into_iter().map(|(name, sum)| (name, f64::round(sum))).collect())
 }
 
 /// Runs the compiler if cargo started this program as its wrapper: the arguments are the compiler and its own.
@@ -246,7 +225,7 @@ mod tests {
             ("crates/smpm/tests/laws/main.rs", ("smpm", false)),
             ("tests/src/cases/smpm/disks.rs", ("verification", true)),
             ("tests/fuzz/fuzz_targets/a.rs", ("fuzz-targets", false)),
-            ("xtask/tests/edges.rs", ("xtask", false)),
+            ("xtask/tests/tree/edges.rs", ("xtask", false)),
         ] {
             assert_eq!(place(path), expected, "{path}");
         }

@@ -14,7 +14,7 @@ pub struct Words {
     pub x_label: String,
     /// Quantity (unit) of the vertical axis.
     pub y_label: String,
-    /// Caption: how it was measured, the machine, its load and the commit. One entry for each line.
+    /// Caption: how it was measured, the machine, its load and the commit. Each entry is a line.
     pub caption: Vec<String>,
 }
 

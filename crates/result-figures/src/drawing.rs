@@ -3,8 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::cheapest::{Choice, choices, choices_table};
-use crate::curve::Curves;
-use crate::curves::curves;
 use crate::data::{Field, PathMap, Plane, TimeSeries, WorkPrecision};
 use crate::error::ChartError;
 use crate::field::field;
@@ -90,15 +88,6 @@ impl Drawing {
             data: finite::to_json(data)?,
             table: String::new(),
         })
-    }
-
-    /// A chart of curves over a parameter.
-    ///
-    /// # Errors
-    /// [`DrawingError`] for numbers that cannot be drawn.
-    pub fn curves(name: &str, data: &Curves) -> Result<Self, DrawingError> {
-        let face = Face::Picture(curves(data)?);
-        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
     /// A picture of a density over a plane.

@@ -4,8 +4,6 @@ mod axis;
 mod canvas;
 mod cheapest;
 mod colours;
-mod curve;
-mod curves;
 mod data;
 mod drawing;
 mod error;
@@ -24,8 +22,6 @@ mod time_series;
 mod work_precision;
 
 pub use self::cheapest::{Candidate, Choice, Verdict, choices, choices_table, settled};
-pub use self::curve::{Curve, CurvePoint, Curves, Direction, Height, Style, Threshold};
-pub use self::curves::curves;
 pub use self::data::{
     Band, Field, Line, Measure, Method, PathMap, PathQuantile, Plane, Reading, ReferencePoint,
     ReferencePoints, Region, Run, RunOutcome, Scale, TimeSeries, Words, WorkPrecision,

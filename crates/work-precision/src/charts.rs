@@ -3,9 +3,9 @@
 //! A chart is one file here and one line in [`ALL`]; a sweep one file in `stability` and one line in [`STABILITY`].
 
 mod built_in_scenes;
+mod cost;
 mod estimators;
-pub mod fpk;
-mod fpk_choice;
+mod fpk;
 mod kernels;
 mod models;
 mod mpi;
@@ -23,7 +23,6 @@ use crate::stability;
 /// Charts of the command `chart`.
 pub const ALL: &[ChartKind] = &[
     fpk::CHART,
-    fpk_choice::CHART,
     kernels::CHART,
     sde::CHART,
     smpm::CHART,
@@ -42,11 +41,8 @@ pub const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
 /// Sweeps of the command `stability`.
 pub const STABILITY: &[ChartKind] = &[
     stability::fpk::MAP,
-    stability::fpk_schemes::MAP,
-    stability::sde::MAP,
     stability::smpm::MAP,
     stability::peridyn::z::MAP,
     stability::peridyn::noise::MAP,
     stability::peridyn::horizon::MAP,
-    stability::peridyn::load::MAP,
 ];

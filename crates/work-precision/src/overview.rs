@@ -26,26 +26,14 @@ Below a chart of error against cost is the cheapest method for a tolerance. For 
 more expensive runs are within the tolerance, standard errors included, so an error that happens to cross zero does not count. \
 A runner-up whose cost differs by less than the scatter is equally good.\n";
 
-/// A recorded file lacks its description.
+/// A recorded file cannot be read, or its data have no title.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum OverviewError {
-    /// The file system returned an error.
-    #[error("cannot read {}", .path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// Error of the file system.
-        source: io::Error,
-    },
-    /// The data of a picture have no title.
-    #[error("{} does not say what its picture shows", .path.display())]
-    Json {
-        /// The file.
-        path: PathBuf,
-        /// Position.
-        source: serde_json::Error,
-    },
+#[error("{} does not say what its picture shows", .path.display())]
+pub struct OverviewError {
+    /// The file.
+    pub path: PathBuf,
+    /// Error of the file system, or position in the JSON.
+    pub source: io::Error,
 }
 
 /// Title and labels in the data of a picture.
@@ -88,7 +76,7 @@ pub(super) fn overview(folder: &Path) -> Result<String, OverviewError> {
 
 /// The pictures and pages in `folder` by name, pages first.
 fn files(folder: &Path) -> Result<Vec<String>, OverviewError> {
-    let refused = |source| OverviewError::Io { path: folder.into(), source };
+    let refused = |source| OverviewError { path: folder.into(), source };
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(refused)? {
         let name = entry.map_err(refused)?.file_name().to_string_lossy().into_owned();
@@ -116,7 +104,7 @@ fn solver_of(file: &str) -> &str {
 
 fn entry(folder: &Path, file: &str) -> Result<String, OverviewError> {
     let read = |path: &Path| {
-        let refused = |source| OverviewError::Io { path: path.into(), source };
+        let refused = |source| OverviewError { path: path.into(), source };
         std::fs::read_to_string(path).map_err(refused)
     };
     if is_page(file) {
@@ -126,7 +114,7 @@ fn entry(folder: &Path, file: &str) -> Result<String, OverviewError> {
     }
     let path = folder.join(file).with_extension("json");
     let numbers: Numbers = serde_json::from_str(&read(&path)?)
-        .map_err(|source| OverviewError::Json { path: path.clone(), source })?;
+        .map_err(|source| OverviewError { path: path.clone(), source: source.into() })?;
     let (title, subtitle) = (text(&numbers.words.title), text(&numbers.words.subtitle));
     let beside = Path::new(file).with_extension("json");
     let table = numbers.reading.map_or_else(String::new, |reading| {
@@ -194,7 +182,7 @@ mod tests {
         scenes::output::write_text(&folder.join("fpk-a.json"), "[1]").unwrap();
         let mute = overview(&folder).unwrap_err();
         std::fs::remove_dir_all(&folder).unwrap();
-        assert!(matches!(missing, OverviewError::Io { path, .. } if path.ends_with("fpk-a.json")));
-        assert!(matches!(mute, OverviewError::Json { path, .. } if path.ends_with("fpk-a.json")));
+        assert!(matches!(missing, OverviewError { path, .. } if path.ends_with("fpk-a.json")));
+        assert!(matches!(mute, OverviewError { path, .. } if path.ends_with("fpk-a.json")));
     }
 }

@@ -7,9 +7,7 @@
 
 mod axes;
 pub(crate) mod fpk;
-pub(crate) mod fpk_schemes;
 pub(crate) mod peridyn;
-pub(crate) mod sde;
 pub(crate) mod smpm;
 
 use rayon::prelude::*;

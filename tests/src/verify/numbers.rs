@@ -7,7 +7,7 @@ use crate::report::{Claim, Report};
 /// What is measured of every claim, and the CPU time of every case, as JSON with an entry a line.
 ///
 /// `{"claims": {ID: {"measured": ..}}, "cases": {ID: {"cpu_seconds": ..}}}`; of a claim `measured`, `standard_error`,
-/// `reference` and `error`, as far as it has them, with seven digits. `xtask/tests/records.rs` compares pages with it.
+/// `reference` and `error`, as far as it has them, with seven digits. `xtask/tests/tree/records.rs` compares pages with it.
 #[must_use]
 pub fn render_numbers(report: &Report) -> String {
     let claims = report.cases.iter().flat_map(|case| &case.claims);

@@ -4,6 +4,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a law that cannot be put to the test has failed")]
 
+mod custom_search;
 mod many;
 mod query;
 mod skin;

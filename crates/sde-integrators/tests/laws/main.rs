@@ -1,6 +1,10 @@
 //! What must hold of every draw, law, method and ensemble.
 
+mod custom_diagonal;
+mod custom_integrator;
 mod custom_lane_sde;
+mod custom_stratonovich;
+mod custom_system;
 mod ensemble;
 mod estimate;
 mod factors;

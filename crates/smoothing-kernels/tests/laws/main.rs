@@ -1,17 +1,5 @@
 //! What every kernel obeys in every dimension, looped over the table.
 
-// Private to the crate: its error is measured at the arguments themselves, which no distance gives exactly.
-#[path = "../../src/exponential.rs"]
-mod exponential;
-mod published;
-#[path = "../../../simd-lanes/tests/shared/reference.rs"]
-#[allow(dead_code, reason = "only the exponential is asked for")]
-mod reference;
-
-use proptest::prelude::*;
-use smoothing_kernels::{Kernel, TruncatedGaussian, all, power, unit_sphere_surface};
-use std::f64::consts::PI;
-
 /// Runs a law in one to six dimensions.
 macro_rules! in_every_dimension {
     ($law:ident($($argument:expr),*)) => {
@@ -23,6 +11,23 @@ macro_rules! in_every_dimension {
         $law::<6>($($argument),*);
     };
 }
+
+mod batch;
+mod corrections;
+mod custom_kernel;
+mod marginals;
+
+// Private to the crate: its error is measured at the arguments themselves, which no distance gives exactly.
+#[path = "../../src/exponential.rs"]
+mod exponential;
+mod published;
+#[path = "../../../simd-lanes/tests/shared/reference.rs"]
+#[allow(dead_code, reason = "only the exponential is asked for")]
+mod reference;
+
+use proptest::prelude::*;
+use smoothing_kernels::{Kernel, TruncatedGaussian, all, power, unit_sphere_surface};
+use std::f64::consts::PI;
 
 /// Surface of the unit sphere, from a table and not from the crate.
 fn surface(dimension: usize) -> f64 {

@@ -1,370 +1,279 @@
-//! Error against CPU time for both oscillators, and the exceedance probability over time.
+//! Error against cost of all methods for the same quantities, with the cheapest method for a tolerance; and the exceedance
+//! probability of the damper over time.
 
-use std::time::Duration;
+mod records;
+mod runs;
+mod table;
 
-use fpk_sph::{Combination, Config, InitialLattice, Method as FpkMethod, StepRule};
+use fpk_sph::InitialLattice;
+use random_vibration::{Linearisation, Quadrature};
 use result_figures::{
-    Drawing, Line, Measure, Method, Reading, Reference, ReferencePoint, ReferencePoints, Run,
-    RunOutcome, Scale, TimeSeries, Words, WorkPrecision,
+    Drawing, Line, Reference, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
 };
-use scenes::clock::CpuClock;
 use scenes::fpk::density::{Asked, Demand};
-use scenes::fpk::monte_carlo::Sampling;
 use scenes::machine::Machine;
+use sde_integrators::{Shark, StrangOscillator};
+use vibrating_systems::StrangBoucWen;
 
+use self::records::{Quantity, Scene, charts};
+use self::runs::{Ladder, Question, Setting, papers_ladder, usual};
+use self::table::page;
 use crate::draw::ChartKind;
-use reference_problems::context::{CaseError, Context, Profile};
-use reference_problems::fpk::methods::papers_config;
-use reference_problems::fpk::problem::Problem;
+use reference_problems::context::{CaseError, Context};
+use reference_problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
+use reference_problems::fpk::linear_moments::{NormalLaw, linear_moments};
+use reference_problems::fpk::methods::{
+    BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR,
+};
+use reference_problems::fpk::oscillator::Oscillator;
+use reference_problems::fpk::problem::{Problem, bouc_wen, kanai_tajimi};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "fpk",
-    title: "density by particles and Monte Carlo on two oscillators: error against CPU time, exceedance over time",
+    title: "particles, grid, linearisation, Monte Carlo, guided paths, subset simulation: error against CPU time; exceedance over time",
     draw,
 };
-
-/// Time of the error.
-const TIME: f64 = 6.0;
-/// Threshold of the probability.
-const THRESHOLD: f64 = 1.0;
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     // One thread, so CPU time is that of one core.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     pool.install(|| {
+        let scenes = [linear(context)?, damper(context)?, hysteresis(context)?, shaken(context)?];
         let mut drawings = Vec::new();
-        for (problem, name) in [
-            (Problem::linear_oscillator()?, "fpk-linear"),
-            (Problem::viscous_damper()?, "fpk-damper"),
-        ] {
-            drawings.extend(work_precision(context, &problem, name, context.profile)?);
-            drawings.push(exceedance(context, &problem, name)?);
+        for scene in &scenes {
+            drawings.extend(charts(scene)?);
         }
+        drawings.push(page(&scenes)?);
+        drawings.push(exceedance(context)?);
         Ok(drawings)
     })
 }
 
-/// One run of a method: its cost, and the two quantities.
-struct Point {
-    label: String,
-    cost: f64,
-    spread: f64,
-    outcome: Result<Values, String>,
-}
+/// Levels of the probabilities.
+const LEVELS: [(&str, f64); 3] = [("tail-3", 1e-3), ("tail-6", 1e-6), ("tail-9", 1e-9)];
 
-/// `E[q^2]` and `P(|q| > 1)` with their standard errors.
-struct Values {
-    second_moment: (f64, Option<f64>),
-    probability: (f64, Option<f64>),
-}
-
-/// A method and its points.
-struct Ladder {
-    name: String,
-    points: Vec<Point>,
-}
-
-/// Charts of error against CPU time: of `E[q^2]`, and of `P(|q| > 1)`.
-///
-/// # Errors
-/// Errors of the runs and of the charts, and a missing reference.
-fn work_precision(
-    context: &Context<'_>,
-    problem: &Problem,
-    name: &str,
-    profile: Profile,
-) -> Result<Vec<Drawing>, CaseError> {
-    let ladders = ladders(context, problem, name, profile)?;
-    let moment = problem.reference.moment([2, 0], TIME).ok_or("no reference moment")?;
-    let tail = problem.reference.exceedance(THRESHOLD, TIME).ok_or("no reference probability")?;
-    let words = |title: &str, y_label: &str, reference: Reference| Words {
-        title: title.into(),
-        subtitle: problem.scene.title.clone(),
-        x_label: "CPU time on one thread (s)".into(),
-        y_label: y_label.into(),
-        caption: vec![
-            format!(
-                "Reference {:.6e} +- {:.0e}. A Monte Carlo point is one ensemble: its bar is one standard error.",
-                reference.value,
-                reference.error.unwrap_or(0.0)
-            ),
-            "Across: median CPU time of three runs, the bar half their range (one run beyond 3 s)."
-                .into(),
-            Machine::read().caption(),
-        ],
+/// Thresholds at which a normal distribution has exactly the probabilities of [`LEVELS`], by bisection.
+fn normal_targets<const D: usize>(law: &NormalLaw<D>) -> Vec<(f64, Reference)> {
+    let mut weights = [0.0; D];
+    weights[0] = 1.0;
+    let deviation = law.covariance[0][0].sqrt();
+    let target = |(_, level): (&'static str, f64)| {
+        let (mut low, mut high) = (0.0, 10.0 * deviation);
+        for _ in 0..60 {
+            let middle = f64::midpoint(low, high);
+            let beyond = law.exceedance(&weights, middle).value > level;
+            if beyond { low = middle } else { high = middle }
+        }
+        (low, law.exceedance(&weights, low))
     };
-    let moments = WorkPrecision {
-        words: words("Second moment E[q^2] at t = 6 s", "relative error of E[q^2]", moment),
-        reading: cost_in_seconds(
-            Measure::Relative,
-            moment.error.unwrap_or(0.0) / moment.value.abs(),
-        ),
-        series: series(&ladders, |values| relative_error(values.second_moment, moment.value)),
-    };
-    let title = format!("Probability P(|q| > 1) at t = 6 s: {:.1e}", tail.value);
-    let tails = WorkPrecision {
-        words: words(&title, "error of log10 P", tail),
-        reading: cost_in_seconds(
-            Measure::Log10,
-            tail.error.unwrap_or(0.0) / (tail.value * std::f64::consts::LN_10),
-        ),
-        series: series(&ladders, |values| log10_error(values.probability, tail.value)),
-    };
-    Ok(vec![
-        Drawing::work_precision(&format!("{name}-second-moment"), &moments)?,
-        Drawing::work_precision(&format!("{name}-tail"), &tails)?,
-    ])
+    LEVELS.into_iter().map(target).collect()
 }
 
-/// CPU seconds across.
-pub(super) fn cost_in_seconds(errors: Measure, reference_error: f64) -> Reading {
-    Reading::Cost { unit: "s".into(), errors, reference_error }
+/// Thresholds of a table of references.
+fn tabled_targets(
+    thresholds: [f64; 3],
+    reference: impl Fn(f64) -> Option<Reference>,
+) -> Result<Vec<(f64, Reference)>, CaseError> {
+    let target =
+        |threshold| Ok((threshold, reference(threshold).ok_or("no reference at this threshold")?));
+    thresholds.into_iter().map(target).collect()
 }
 
-/// Magnitude of an error with its standard error, or why it is unknown.
-type Sized = Result<(f64, Option<f64>), String>;
-
-fn relative_error((value, standard_error): (f64, Option<f64>), reference: f64) -> Sized {
-    nonzero((value / reference - 1.0).abs(), standard_error.map(|error| error / reference))
+fn relative_error(reference: &Reference) -> f64 {
+    reference.error.unwrap_or(0.0) / reference.value
 }
 
-fn log10_error((value, standard_error): (f64, Option<f64>), reference: f64) -> Sized {
-    if value <= 0.0 {
-        return Err("no mass beyond the threshold".into());
-    }
-    let error = standard_error.map(|error| error / (value * std::f64::consts::LN_10));
-    nonzero((value / reference).log10().abs(), error)
-}
-
-/// Rejects an error of zero, which a logarithmic axis cannot show.
-fn nonzero(error: f64, standard_error: Option<f64>) -> Sized {
-    if error > 0.0 { Ok((error, standard_error)) } else { Err("no error to the last digit".into()) }
-}
-
-fn series(ladders: &[Ladder], error: impl Fn(&Values) -> Sized) -> Vec<Method> {
-    let run = |point: &Point| Run {
-        cost: point.cost,
-        cost_error: (point.spread > 0.0).then_some(point.spread),
-        outcome: match point.outcome.as_ref().map_err(Clone::clone).and_then(&error) {
-            Ok((value, standard_error)) => RunOutcome::Error { value, standard_error },
-            Err(reason) => RunOutcome::Failed { reason },
-        },
-        label: Some(point.label.clone()),
-    };
-    ladders
-        .iter()
-        .map(|ladder| Method {
-            name: ladder.name.clone(),
-            runs: ladder.points.iter().map(run).collect(),
-        })
-        .collect()
-}
-
-fn ladders(
-    context: &Context<'_>,
-    problem: &Problem,
-    name: &str,
-    profile: Profile,
-) -> Result<Vec<Ladder>, CaseError> {
-    let quick = profile == Profile::Quick;
-    let first = |n: usize, all: usize| if quick { n } else { all };
-    let period = problem.system.period();
-    let paper = papers_config(period);
-    let mut ladders = Vec::new();
-
-    let counts = [21_usize, 27, 35, 45, 61, 81];
-    let progress = format!("{name}: flow-map fit");
-    ladders.push(density(context, problem, &progress, "flow-map fit (particles)", true, |k| {
-        let n = *counts.get(k).filter(|_| k < first(4, 6))?;
-        let (method, lattice) = (FpkMethod::FlowMapFit, InitialLattice::box_of(n));
-        Some((group_thousands(n * n), Config { method, lattice, ..paper }))
-    })?);
-    ladders.extend(papers_ladders(context, problem, name, quick)?);
-    ladders.extend(sampled_ladders(context, problem, name, quick)?);
-    Ok(ladders)
-}
-
-/// Ladders of the paper's method over lattices, and over Courant numbers.
-fn papers_ladders(
-    context: &Context<'_>,
-    problem: &Problem,
-    name: &str,
-    quick: bool,
-) -> Result<Vec<Ladder>, CaseError> {
-    let first = |n: usize, all: usize| if quick { n } else { all };
-    let paper = papers_config(problem.system.period());
-    let mut ladders = Vec::new();
-    let grids = [[25_usize, 17], [36, 24], [50, 33], [71, 47]];
-    let particles = "Canor & Denoël 2013, C = 0.8 (particles)";
-    ladders.push(density(
-        context,
-        problem,
-        &format!("{name}: the paper's method"),
-        particles,
-        false,
-        |k| {
-            let count = *grids.get(k).filter(|_| k < first(3, 4))?;
-            let lattice = InitialLattice::Rectangle { half_width: [0.6, 0.4], count };
-            Some((group_thousands(count[0] * count[1]), Config { lattice, ..paper }))
-        },
-    )?);
-    let courant = "Canor & Denoël 2013, 1,650 particles (C)";
-    ladders.push(density(
-        context,
-        problem,
-        &format!("{name}: its Courant number"),
-        courant,
-        false,
-        |k| {
-            let number = *[0.8, 0.4, 0.2].get(k).filter(|_| k < first(2, 3))?;
-            let step = StepRule::Courant { number };
-            let combination = Combination { step, ..FpkMethod::CanorDenoel2013.combination() };
-            Some((
-                format!("C {number}"),
-                Config { method: FpkMethod::Custom(combination), ..paper },
-            ))
-        },
-    )?);
-    Ok(ladders)
-}
-
-fn sampled_ladders(
-    context: &Context<'_>,
-    problem: &Problem,
-    name: &str,
-    quick: bool,
-) -> Result<Vec<Ladder>, CaseError> {
-    let first = |n: usize, all: usize| if quick { n } else { all };
-    let mut ladders = Vec::new();
-    for (by, steps, most, name_of) in [
-        (By::Strang, 150_u32, first(3, 5), "Monte Carlo, Strang, 150 steps (paths)"),
-        (By::Euler, 1 << 12, first(2, 4), "Monte Carlo, Euler, 4,096 steps (paths)"),
-        (
-            By::Euler,
-            1 << 16,
-            first(1, 2),
-            "Monte Carlo, Euler, 65,536 steps as in the paper (paths)",
-        ),
-    ] {
-        context.progress(&format!("{name}: {name_of}"));
-        ladders
-            .push(Ladder { name: name_of.into(), points: monte_carlo(problem, by, steps, most)? });
-    }
-    Ok(ladders)
-}
-
-/// Runs the density solver until there is no further configuration.
-fn density(
-    context: &Context<'_>,
-    problem: &Problem,
-    progress: &str,
-    name: &str,
-    cells: bool,
-    next: impl Fn(usize) -> Option<(String, Config<2>)>,
-) -> Result<Ladder, CaseError> {
-    let asked = Asked {
-        times: vec![TIME],
-        powers: vec![[2, 0]],
-        demand: Demand::displacement(),
-        thresholds: vec![THRESHOLD],
-        cells,
-    };
-    let mut points = Vec::new();
-    while let Some((label, config)) = next(points.len()) {
-        context.progress(&format!("{progress}, {label}"));
-        let (outcome, cost, spread) =
-            timed(LONG, || problem.density(&config, &asked).map_err(CaseError::from))?;
-        let outcome = match (outcome.at(TIME), &outcome.stopped) {
-            (Some(row), _) => {
-                let exceedance = &row.exceedances[0];
-                let probability = exceedance.cell_integrated.unwrap_or(exceedance.indicator);
-                Ok(Values {
-                    second_moment: (row.moments[0], None),
-                    probability: (probability, None),
-                })
-            }
-            (None, Some(error)) => Err(error.to_string()),
-            (None, None) => Err("no result at the time asked".into()),
-        };
-        points.push(Point { label, cost, spread, outcome });
-    }
-    Ok(Ladder { name: name.into(), points })
-}
-
-/// Integrator of the paths.
-#[derive(Clone, Copy)]
-enum By {
-    Strang,
-    /// As in the paper.
-    Euler,
-}
-
-/// Ensembles of 100, 1,000, .. paths.
-fn monte_carlo(
-    problem: &Problem,
-    by: By,
-    steps: u32,
-    most: usize,
-) -> Result<Vec<Point>, CaseError> {
-    let asked = Asked {
-        times: vec![TIME],
-        powers: vec![[2, 0]],
-        demand: Demand::displacement(),
-        thresholds: vec![THRESHOLD],
-        cells: false,
-    };
-    [100_u64, 1_000, 10_000, 100_000, 1_000_000][..most]
-        .iter()
-        .map(|&paths| {
-            let sampling = Sampling { paths, step: TIME / f64::from(steps), seed: paths };
-            let (run, cost, spread) = timed(LONG, || {
-                Ok(match by {
-                    By::Strang => problem.sampled(&sampling, &asked)?,
-                    By::Euler => problem.sampled_by_euler(&sampling, &asked)?,
-                })
-            })?;
-            let row = run.at(TIME).ok_or("no row")?;
-            let of =
-                |estimate: &sde_integrators::Estimate| (estimate.value, estimate.standard_error());
-            let values =
-                Values { second_moment: of(&row.moments[0]), probability: of(&row.exceedances[0]) };
-            Ok(Point { label: group_thousands_u64(paths), cost, spread, outcome: Ok(values) })
-        })
-        .collect()
-}
-
-/// CPU time above which a run is not repeated.
-pub(super) const LONG: Duration = Duration::from_secs(3);
-
-/// The result with its median CPU time and half the range; three runs if one is short.
-pub(super) fn timed<T>(
-    long: Duration,
-    mut work: impl FnMut() -> Result<T, CaseError>,
-) -> Result<(T, f64, f64), CaseError> {
-    let mut measure = || -> Result<(T, Duration), CaseError> {
-        let start = CpuClock::start();
-        let result = work()?;
-        Ok((result, Duration::from_secs_f64(start.seconds())))
-    };
-    let (result, first) = measure()?;
-    let mut costs = vec![first.as_secs_f64()];
-    if first < long {
-        for _ in 0..2 {
-            costs.push(measure()?.1.as_secs_f64());
+impl<const D: usize> Question<D> {
+    /// Second moments at a time, and a probability at the threshold of each of [`LEVELS`].
+    fn moments_and_tails(
+        time: f64,
+        n_steps: usize,
+        moments: [([u32; D], Reference); 2],
+        targets: &[(f64, Reference)],
+    ) -> Self {
+        let mut quantities = vec![Quantity {
+            name: "moments",
+            title: "Second moments: the worse of E[q^2] and E[q'^2]".into(),
+            reference_error: moments.iter().map(|(_, r)| relative_error(r)).fold(0.0, f64::max),
+            cells: Vec::new(),
+            smallest: 0.0,
+        }];
+        for (k, ((name, _), (threshold, reference))) in LEVELS.iter().zip(targets).enumerate() {
+            quantities.push(Quantity {
+                name,
+                title: format!("Probability P(|q| > {threshold:.3}) = {:.1e}", reference.value),
+                reference_error: relative_error(reference),
+                cells: vec![((0, k), *reference)],
+                smallest: 0.0,
+            });
+        }
+        Self {
+            moments: moments.to_vec(),
+            times: vec![time],
+            thresholds: targets.iter().map(|(threshold, _)| *threshold).collect(),
+            steps_each: n_steps,
+            quantities,
         }
     }
-    costs.sort_by(f64::total_cmp);
-    let spread = 0.5 * (costs[costs.len() - 1] - costs[0]);
-    Ok((result, costs[costs.len() / 2], spread))
+
+    /// The whole surface `P(|q| > T)` over time and threshold: one quantity, whose error is the worst of all cells.
+    fn surface(surface: ExceedanceSurface, steps_each: usize) -> Self {
+        let cells: Vec<_> = surface.cells().collect();
+        let quantity = Quantity {
+            name: "surface",
+            title: format!(
+                "Surface P(|q| > T) at {} times and {} thresholds: the worst of its {} cells above {SMALLEST:.0e}",
+                surface.times.len(),
+                surface.thresholds.len(),
+                cells.len()
+            ),
+            reference_error: surface.relative_error(),
+            cells,
+            smallest: SMALLEST,
+        };
+        let ExceedanceSurface { times, thresholds, .. } = surface;
+        Self { moments: Vec::new(), times, thresholds, steps_each, quantities: vec![quantity] }
+    }
 }
 
-/// Exceedance probability of every threshold over time, with references as points.
-///
-/// # Errors
-/// Errors of the run and of the chart, and a scene without a density method.
-fn exceedance(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Drawing, CaseError> {
-    context.progress(&format!("{name}: exceedance over time"));
-    let config = problem.density_config(1.0)?;
+/// The lattices of boxes.
+fn boxes() -> Vec<InitialLattice<2>> {
+    [21, 29, 41, 57, 81].map(InitialLattice::box_of).to_vec()
+}
+
+fn linear(context: &Context<'_>) -> Result<Scene, CaseError> {
+    let problem = Problem::linear_oscillator()?;
+    let Oscillator::Linear(system) = &problem.system else { return Err("another system".into()) };
+    let law = linear_moments(system, &problem.law, &[6.0], 2e-3)?[0];
+    let setting = Setting {
+        context,
+        name: "fpk-choice-linear",
+        system,
+        law: &problem.law,
+        period: system.period(),
+        integrator: &StrangOscillator,
+        rule: &OF_OSCILLATOR,
+    };
+    let moments = [([2, 0], law.second_moment(0, 0)), ([0, 2], law.second_moment(1, 1))];
+    let question = Question::moments_and_tails(6.0, 150, moments, &normal_targets(&law));
+    let mut scene = Scene::new("fpk-choice-linear", "Linear oscillator, t = 6 s");
+    scene.add(&question, setting.by_density(&question, &ladders_of_oscillator())?);
+    scene.records.extend(setting.on_grid(&question)?);
+    scene.records.extend(setting.sampled(&question)?);
+    Ok(scene)
+}
+
+/// The flow-map fit on boxes, and the paper's method on its rectangles.
+fn ladders_of_oscillator() -> Vec<Ladder<2>> {
+    let mut ladders = usual(&boxes());
+    ladders.push(papers_ladder());
+    ladders
+}
+
+fn damper(context: &Context<'_>) -> Result<Scene, CaseError> {
+    let problem = Problem::viscous_damper()?;
+    let Oscillator::Damper(system) = &problem.system else { return Err("another system".into()) };
+    let time = 6.0;
+    let moment = |powers| problem.reference.moment(powers, time).ok_or("no reference moment");
+    let setting = Setting {
+        context,
+        name: "fpk-choice-damper",
+        system,
+        law: &problem.law,
+        period: system.period(),
+        integrator: &StrangOscillator,
+        rule: &OF_OSCILLATOR,
+    };
+    let moments = [([2, 0], moment([2, 0])?), ([0, 2], moment([0, 2])?)];
+    let targets = tabled_targets([0.75, 1.25, 1.5], |t| problem.reference.exceedance(t, time))?;
+    let title = "Oscillator with a nonlinear viscous damper, t = 6 s";
+    let mut scene = Scene::new("fpk-choice-damper", title);
+    for (question, ladders) in [
+        (Question::moments_and_tails(time, 150, moments, &targets), ladders_of_oscillator()),
+        (Question::surface(ExceedanceSurface::viscous_damper()?, 19), usual(&boxes())),
+    ] {
+        scene.add(&question, setting.by_density(&question, &ladders)?);
+        scene.records.extend(setting.on_grid(&question)?);
+        scene.records.extend(setting.sampled(&question)?);
+    }
+    Ok(scene)
+}
+
+fn hysteresis(context: &Context<'_>) -> Result<Scene, CaseError> {
+    let (system, law, reference) = bouc_wen()?;
+    let time = 3.6;
+    let moment = |powers| reference.moment(powers, time).ok_or("no reference moment");
+    let setting = Setting {
+        context,
+        name: "fpk-choice-bouc-wen",
+        system: &system,
+        law: &law,
+        period: system.period(),
+        integrator: &StrangBoucWen,
+        rule: &OF_HYSTERESIS,
+    };
+    let moments = [([2, 0, 0], moment([2, 0, 0])?), ([0, 2, 0], moment([0, 2, 0])?)];
+    let targets = tabled_targets([1.5, 2.0, 2.5], |t| reference.exceedance(t, time))?;
+    // Up to the lattices of the claims; with the reach that the smallest probability of the surface needs.
+    let near = [1.8, 1.5, 1.25, 1.0].map(|coarser: f64| BOUC_WEN_LATTICE.refined(coarser.recip()));
+    let far = [0.8, 0.7, 0.6, 0.5].map(|step| InitialLattice::ball_down_to(SMALLEST, step));
+    let far = far.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut scene = Scene::new("fpk-choice-bouc-wen", "Bouc-Wen hysteresis, t = 3.6 s");
+    for (question, ladders) in [
+        (Question::moments_and_tails(time, 180, moments, &targets), usual(&near)),
+        (Question::surface(ExceedanceSurface::bouc_wen()?, 23), usual(&far)),
+    ] {
+        scene.add(&question, setting.by_density(&question, &ladders)?);
+        scene.records.extend(setting.sampled(&question)?);
+    }
+    Ok(scene)
+}
+
+/// The system is linear, so any rule is exact.
+const OF_SHAKEN: Linearisation<4> = Linearisation {
+    order: [
+        (0, Quadrature::Hermite),
+        (1, Quadrature::Hermite),
+        (2, Quadrature::Hermite),
+        (3, Quadrature::Hermite),
+    ],
+    step: 0.02,
+};
+
+fn shaken(context: &Context<'_>) -> Result<Scene, CaseError> {
+    let (system, law) = kanai_tajimi()?;
+    let time = 4.0;
+    // The window has a kink at t = 2.
+    let exact = linear_moments(&system, &law, &[2.0, time], 2e-3)?[1];
+    let setting = Setting {
+        context,
+        name: "fpk-choice-kanai-tajimi",
+        system: &system,
+        law: &law,
+        period: system.filter().period(),
+        integrator: &Shark,
+        rule: &OF_SHAKEN,
+    };
+    let moments =
+        [([2, 0, 0, 0], exact.second_moment(0, 0)), ([0, 2, 0, 0], exact.second_moment(1, 1))];
+    let question = Question::moments_and_tails(time, 200, moments, &normal_targets(&exact));
+    // Lattices around that of the claims.
+    let lattices =
+        [1.2, 1.0, 0.9].map(|coarser: f64| KANAI_TAJIMI_LATTICE.refined(coarser.recip()));
+    let title = "Linear oscillator behind the Kanai-Tajimi filter, four states, t = 4 s";
+    let mut scene = Scene::new("fpk-choice-kanai-tajimi", title);
+    scene.add(&question, setting.by_density(&question, &usual(&lattices))?);
+    scene.records.extend(setting.sampled(&question)?);
+    Ok(scene)
+}
+
+/// Smallest probability on the chart over time: one decade below the claims.
+const SHOWN: f64 = 1e-10;
+
+/// Exceedance probability of every threshold of the damper over time, with references as points.
+fn exceedance(context: &Context<'_>) -> Result<Drawing, CaseError> {
+    let problem = Problem::viscous_damper()?;
+    context.progress("damper: exceedance over time");
     let thresholds = &problem.scene.thresholds;
     let asked = Asked {
         times: problem.scene.times.list(),
@@ -373,29 +282,22 @@ fn exceedance(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Dr
         thresholds: thresholds.clone(),
         cells: true,
     };
-    let run = problem.density(&config, &asked)?;
-    let lines = thresholds
-        .iter()
-        .enumerate()
-        .map(|(k, threshold)| Line {
-            name: format!("T = {threshold}"),
-            points: run
-                .rows
-                .iter()
-                .map(|row| (row.t, row.exceedances[k].cell_integrated.filter(|&p| p >= SHOWN)))
-                .collect(),
-        })
-        .collect();
+    let run = problem.density(&problem.density_config(1.0)?, &asked)?;
+    let line = |(k, threshold): (usize, &f64)| {
+        let rows = run.rows.iter();
+        let shown = |p: &f64| *p >= SHOWN;
+        let points =
+            rows.map(|row| (row.t, row.exceedances[k].cell_integrated.filter(shown))).collect();
+        Line { name: format!("T = {threshold}"), points }
+    };
+    let table = &problem.reference;
     let reference = |threshold: f64| {
-        problem.reference.times().iter().filter_map(move |&x| {
-            let reference = problem.reference.exceedance(threshold, x)?;
-            (reference.value >= SHOWN).then_some(ReferencePoint {
-                x,
-                y: reference.value,
-                error: reference.error,
-            })
+        table.times().iter().filter_map(move |&x| {
+            let Reference { value: y, error } = table.exceedance(threshold, x)?;
+            (y >= SHOWN).then_some(ReferencePoint { x, y, error })
         })
     };
+    let drawn_by = run.words("Lines: flow-map fit, cell estimator");
     let chart = TimeSeries {
         words: Words {
             title: "Probability of exceedance P(|q| > T), one deterministic run".into(),
@@ -403,51 +305,17 @@ fn exceedance(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Dr
             x_label: "time t (s)".into(),
             y_label: "P(|q| > T)".into(),
             caption: vec![
-                format!(
-                    "{}; values below {SHOWN:e} are left out.",
-                    run.words("Lines: flow-map fit, cell estimator")
-                ),
+                format!("{drawn_by}; values below {SHOWN:e} are left out."),
                 Machine::read().caption(),
             ],
         },
         scale: Scale::Log,
-        lines,
+        lines: thresholds.iter().enumerate().map(line).collect(),
         bands: Vec::new(),
         references: vec![ReferencePoints {
             name: "reference".into(),
             points: thresholds.iter().flat_map(|&threshold| reference(threshold)).collect(),
         }],
     };
-    Ok(Drawing::time_series(&format!("{name}-exceedance"), &chart)?)
-}
-
-/// Smallest probability on the chart: one decade below the claims.
-const SHOWN: f64 = 1e-10;
-
-fn group_thousands(n: usize) -> String {
-    group_thousands_u64(n as u64)
-}
-
-/// Formats 12345 as `12,345`.
-pub(super) fn group_thousands_u64(n: u64) -> String {
-    let digits = n.to_string();
-    let mut grouped = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            grouped.push(',');
-        }
-        grouped.push(digit);
-    }
-    grouped
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thousands_are_grouped() {
-        let grouped = [7, 123, 1_000, 1_234_567].map(group_thousands_u64);
-        assert_eq!(grouped, ["7", "123", "1,000", "1,234,567"]);
-    }
+    Ok(Drawing::time_series("fpk-damper-exceedance", &chart)?)
 }

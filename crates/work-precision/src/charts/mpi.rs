@@ -3,11 +3,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
+use result_figures::{Drawing, Method, Reading, Run, Words, WorkPrecision};
 use scenes::kind::{BlockRecord, JobRecord};
 use scenes::machine::Machine;
 use sde_integrators::{Noise, Purpose, Stream};
 
+use super::cost::outcome;
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::processes::{command_of_scenes, cracks, finish, piped, scenes};
@@ -59,10 +60,9 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     ];
     let ranks = ranks();
     let [mut strong, mut weak] = [Vec::new(), Vec::new()];
-    for (look, of) in measured.iter().enumerate() {
-        let curve = |n_blocks: &dyn Fn(u64) -> u64| -> Vec<CurvePoint> {
-            let point = |&n: &u64| CurvePoint::at(n as f64, efficiency(of, n, n_blocks(n)));
-            ranks.iter().map(point).collect()
+    for of in &measured {
+        let curve = |n_blocks: &dyn Fn(u64) -> u64| -> Vec<(f64, f64)> {
+            ranks.iter().map(|&n| (n as f64, efficiency(of, n, n_blocks(n)))).collect()
         };
         let (fixed, growing) = (curve(&|_| STRONG), curve(&|n| WEAK * n));
         rows.push(format!(
@@ -76,19 +76,30 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
             most_at(&fixed, 0.9),
             most_at(&growing, 0.9),
         ));
-        strong.push(Curve::marked(of.name, look, fixed));
-        weak.push(Curve::marked(of.name, look, growing));
+        strong.push(method(of.name, &fixed));
+        weak.push(method(of.name, &growing));
     }
     let table = rows.join("\n");
     let of_strong = format!("{STRONG} blocks, shared among all ranks");
     let of_weak = format!("{WEAK} blocks for each rank");
-    let strong = Drawing::curves("mpi-strong-scaling", &picture(strong, &of_strong))?;
-    let weak = Drawing::curves("mpi-weak-scaling", &picture(weak, &of_weak))?;
+    let strong = Drawing::work_precision("mpi-strong-scaling", &picture(strong, &of_strong))?;
+    let weak = Drawing::work_precision("mpi-weak-scaling", &picture(weak, &of_weak))?;
     Ok(vec![Drawing { table, ..strong }, weak])
 }
 
-fn picture(series: Vec<Curve>, ensemble: &str) -> Curves {
-    Curves {
+/// Efficiencies over the number of ranks.
+fn method(name: &str, efficiencies: &[(f64, f64)]) -> Method {
+    let run = |&(cost, value): &(f64, f64)| Run {
+        cost,
+        cost_error: None,
+        outcome: outcome(value),
+        label: None,
+    };
+    Method { name: name.into(), runs: efficiencies.iter().map(run).collect() }
+}
+
+fn picture(series: Vec<Method>, ensemble: &str) -> WorkPrecision {
+    WorkPrecision {
         words: Words {
             title: "Fraction of the time of all ranks spent on blocks, by the model".into(),
             subtitle: ensemble.to_owned(),
@@ -99,10 +110,8 @@ fn picture(series: Vec<Curve>, ensemble: &str) -> Curves {
                 Machine::read().caption(),
             ],
         },
-        across: Scale::Log,
-        upwards: Scale::Linear,
+        reading: Reading::Parameter,
         series,
-        thresholds: vec![Threshold::upwards("90 %", 0.9)],
     }
 }
 
@@ -145,9 +154,9 @@ fn ranks() -> Vec<u64> {
 }
 
 /// Largest number of ranks up to which a curve exceeds a value.
-fn most_at(curve: &[CurvePoint], least: f64) -> f64 {
-    let above = |point: &&CurvePoint| point.value().is_some_and(|value| value >= least);
-    curve.iter().take_while(above).last().map_or(0.0, |point| point.x)
+fn most_at(efficiencies: &[(f64, f64)], least: f64) -> f64 {
+    let above = efficiencies.iter().take_while(|(_, efficiency)| *efficiency >= least);
+    above.last().map_or(0.0, |(ranks, _)| *ranks)
 }
 
 /// Time in blocks over `n_ranks` times the time of the job.

@@ -13,8 +13,20 @@ use reference_problems::fpk::methods::papers_config;
 use reference_problems::fpk::problem::{Problem, bouc_wen};
 use reference_problems::smpm::published::{Solved, TABLES, by_series, printed};
 
-/// Figure of Chen et al. 2019, table and gauge.
-const OF_CHEN: [(u32, usize, &str); 4] = [(9, 0, "H"), (10, 0, "I"), (11, 1, "G"), (12, 2, "G")];
+/// A figure of Chen et al. 2019, and the table and the gauge of its values.
+#[derive(Clone, Copy)]
+struct Figure {
+    number: u32,
+    table: usize,
+    gauge: &'static str,
+}
+
+const OF_CHEN: [Figure; 4] = [
+    Figure { number: 9, table: 0, gauge: "H" },
+    Figure { number: 10, table: 0, gauge: "I" },
+    Figure { number: 11, table: 1, gauge: "G" },
+    Figure { number: 12, table: 2, gauge: "G" },
+];
 
 /// Moment, unit, factor from Mbar.
 const MOMENTS: [(&str, &str, f64); 2] =
@@ -27,9 +39,9 @@ pub(super) fn of_chen(
     time: f64,
 ) -> Result<Vec<Drawing>, CaseError> {
     let mut drawings = Vec::new();
-    for of in OF_CHEN {
+    for figure in OF_CHEN {
         for moment in 0..2 {
-            drawings.push(figure_of_chen(all, times, time, (of, moment))?);
+            drawings.push(figure_of_chen(all, times, time, figure, moment)?);
         }
     }
     Ok(drawings)
@@ -39,8 +51,10 @@ fn figure_of_chen(
     all: &[(f64, Solved)],
     times: &[f64],
     time: f64,
-    ((figure, table, gauge), moment): ((u32, usize, &str), usize),
+    figure: Figure,
+    moment: usize,
 ) -> Result<Drawing, CaseError> {
+    let Figure { number, table, gauge } = figure;
     let (word, unit, factor) = MOMENTS[moment];
     let (mut lines, mut references) = (Vec::new(), Vec::new());
     for (cv, solved) in all {
@@ -65,7 +79,7 @@ fn figure_of_chen(
     let symbol = TABLES[table].1;
     let data = TimeSeries {
         words: Words {
-            title: format!("Figure {figure} of Chen et al. 2019: {word} of {symbol} at {gauge}"),
+            title: format!("Figure {number} of Chen et al. 2019: {word} of {symbol} at {gauge}"),
             subtitle: "contact explosion, strength as printed; A, B, n, C, m normal, coefficients of variation 0.1 and 0.15".into(),
             x_label: "time (us)".into(),
             y_label: format!("{word} of {symbol} ({unit})"),
@@ -79,7 +93,7 @@ fn figure_of_chen(
         bands: Vec::<Band>::new(),
         references,
     };
-    Ok(Drawing::time_series(&format!("papers-chen-figure-{figure}-{word}"), &data)?)
+    Ok(Drawing::time_series(&format!("papers-chen-figure-{number}-{word}"), &data)?)
 }
 
 /// Figure 1b of Canor and Denoël 2013: second moments of the oscillator with a viscous damper over time.

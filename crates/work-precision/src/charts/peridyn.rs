@@ -7,7 +7,7 @@ use result_figures::{Drawing, Measure, Measured, Method, Run, RunOutcome, Words,
 use scenes::machine::Machine;
 use sde_integrators::Noise;
 
-use super::fpk::{LONG, cost_in_seconds, timed};
+use super::cost::{LONG, cost_in_seconds, timed};
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::peridyn::first_passage::rate as rate_of_breaking;

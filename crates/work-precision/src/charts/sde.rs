@@ -14,6 +14,7 @@ use sde_integrators::{
     DiagonalNoise, Increment, Noise, Sra3, Sriw1, StateSpace, StepError, StrangOscillator,
 };
 
+use super::cost::median_and_half_range;
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::sde::damper::viscous_damper_at_rest;
@@ -393,10 +394,10 @@ fn timed<E: std::fmt::Display>(
     if sum.is_nan() {
         return Err("a path that was timed is not a number".into());
     }
-    times.sort_by(f64::total_cmp);
+    let (cost, spread) = median_and_half_range(times);
     let failure =
         first.map(|text| format!("{n_failed} of {} paths, the first: {text}", 5 * n_paths));
-    Ok(Timing { n_steps, cost: times[2], spread: 0.5 * (times[4] - times[0]), failure })
+    Ok(Timing { n_steps, cost, spread, failure })
 }
 
 fn timings<S, const D: usize, const M: usize>(

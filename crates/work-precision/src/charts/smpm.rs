@@ -1,7 +1,5 @@
 //! Error of the variance against CPU time: five methods on a plane shock and on an explosion.
 
-use std::time::Duration;
-
 use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
 use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::clock::CpuClock;
@@ -12,7 +10,7 @@ use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
 use uq_estimators::{ControlledSamples, SampledMoments, Surrogate};
 
-use super::fpk::{cost_in_seconds, group_thousands_u64, timed};
+use super::cost::{LONG, cost_in_seconds, group_thousands, outcome, table, timed};
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::quantile::quantile;
@@ -27,8 +25,6 @@ pub(crate) const CHART: ChartKind = ChartKind {
 
 /// Sizes of the sampled ensembles.
 const LADDER: [usize; 5] = [10, 30, 100, 300, 1000];
-/// CPU time above which a run is not repeated.
-const LONG: Duration = Duration::from_secs(3);
 /// Parts of the samples that are timed separately.
 const THIRDS: usize = 3;
 /// Seed of the compared samples, and of the reference samples.
@@ -297,7 +293,7 @@ impl Solved {
             cost: mean_run + control + sample * n as f64,
             cost_error: Some(self.sample_spread * n as f64).filter(|&spread| spread > 0.0),
             outcome: RunOutcome::Error { value, standard_error: Some(standard_error) },
-            label: Some(group_thousands_u64(n as u64)),
+            label: Some(group_thousands(n as u64)),
         })
     }
 
@@ -343,29 +339,3 @@ impl Solved {
 const DIFFERENCE: f64 = 0.02;
 /// The same for differences that are of first order in it.
 const ONE_SIDED: f64 = 2e-3;
-
-/// A logarithmic axis cannot show an error of zero.
-pub(super) fn outcome(error: f64) -> RunOutcome {
-    if error > 0.0 && error.is_finite() {
-        RunOutcome::Error { value: error, standard_error: None }
-    } else {
-        RunOutcome::Failed { reason: format!("error {error}") }
-    }
-}
-
-/// Cost and error of every run.
-pub(super) fn table(series: &[Method]) -> String {
-    let line = |method: &Method, run: &Run| {
-        let label = run.label.as_deref().map_or_else(String::new, |label| format!(", {label}"));
-        let error = match &run.outcome {
-            RunOutcome::Error { value, standard_error: Some(bar) } => {
-                format!("{value:.1e} +- {bar:.0e}")
-            }
-            RunOutcome::Error { value, standard_error: None } => format!("{value:.1e}"),
-            RunOutcome::Failed { reason } => reason.clone(),
-        };
-        format!("  {:10.4}  {error:18}  {}{label}", run.cost, method.name)
-    };
-    let lines = series.iter().flat_map(|method| method.runs.iter().map(move |r| line(method, r)));
-    lines.collect::<Vec<_>>().join("\n")
-}

@@ -1,17 +1,14 @@
 //! Choice of the default scheme: FLIP and APIC with every shape function.
 //!
-//! Measured on a plane shock and on the energy of an explosion, against CPU time.
+//! A page with the errors behind a plane shock, the energy of an explosion, and the CPU time of each.
 
-use std::time::Duration;
-
-use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision, markdown};
+use result_figures::{Drawing, markdown};
 use scenes::causes::with_causes;
 use scenes::machine::Machine;
 use scenes::smpm::scene::{SchemeScene, ShapeScene, TransferScene};
 use serde::Serialize;
 
-use super::fpk::{cost_in_seconds, timed};
-use super::smpm::{outcome, table};
+use super::cost::{LONG, timed};
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::smpm::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
@@ -23,20 +20,15 @@ pub(crate) const CHART: ChartKind = ChartKind {
     draw,
 };
 
-/// Cells of the shock (cm); the middle one is in the table.
+/// Cells of the shock (cm).
 const SHOCK_CELLS: [f64; 4] = [0.2, 0.1, 0.05, 0.025];
 /// Cells of the explosion (cm).
 const EXPLOSION_CELLS: [f64; 3] = [1.0, 0.5, 0.25];
-/// Cells in the table.
-const TABLED: (f64, f64) = (0.05, 0.5);
 /// Coefficients of the linear viscosity: the current one, and two larger ones.
 const VISCOSITIES: [f64; 3] = [0.06, 0.3, 1.0];
-/// Number of coefficients with charts; the table contains all.
-const PICTURED: usize = 2;
 /// End time of the energy (us).
 const TIME: f64 = 40.0;
 const MOST_STEPS: u64 = 100_000;
-const LONG: Duration = Duration::from_secs(3);
 
 /// A shape function with a transfer.
 #[derive(Debug, Clone, Copy)]
@@ -108,12 +100,7 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
                 }
             }
         }
-        let mut drawings = Vec::new();
-        for &linear in viscosities.iter().take(PICTURED) {
-            drawings.extend(pictures(linear, &shocks, &explosions)?);
-        }
-        drawings.push(page(&shocks, &explosions)?);
-        Ok(drawings)
+        Ok(vec![page(&shocks, &explosions)?])
     })
 }
 
@@ -168,149 +155,41 @@ fn explosion(candidate: Candidate, linear: f64, cell: f64) -> Result<Measured, C
     Ok(row)
 }
 
-/// Rows on a chart.
-struct Picture<'a> {
-    id: &'a str,
-    title: &'a str,
-    y_label: &'a str,
-    subtitle: &'a str,
-    rows: &'a [Measured],
-    reading: fn(&Measured) -> Option<f64>,
-}
-
-fn pictures(
-    linear: f64,
-    shocks: &[Measured],
-    explosions: &[Measured],
-) -> Result<Vec<Drawing>, CaseError> {
-    let of_shock = format!(
-        "plane shock of 0.47 Mbar in steel, MUSL, linear viscosity {linear}, 2 particles a cell"
-    );
-    let of_explosion = format!(
-        "TNT in water on a steel plate, {TIME} us, MUSL, linear viscosity {linear}, 2 x 2 particles a cell"
-    );
-    let all = [
-        Picture {
-            id: "pressure",
-            title: "Pressure behind a shock: which scheme",
-            y_label: "relative error of the mean pressure",
-            subtitle: &of_shock,
-            rows: shocks,
-            reading: |row| Some(row.shock?.pressure),
-        },
-        Picture {
-            id: "ripple",
-            title: "Post-shock oscillation: which scheme",
-            y_label: "deviation of p over particles, over p",
-            subtitle: &of_shock,
-            rows: shocks,
-            reading: |row| Some(row.shock?.ripple),
-        },
-        Picture {
-            id: "slope",
-            title: "Derivative of the pressure behind a shock: which scheme",
-            y_label: "relative error of dp/dS1",
-            subtitle: &of_shock,
-            rows: shocks,
-            reading: |row| Some(row.shock?.slope),
-        },
-        Picture {
-            id: "energy",
-            title: "Energy of an explosion: which scheme",
-            y_label: "change of the energy, over that of the start",
-            subtitle: &of_explosion,
-            rows: explosions,
-            reading: |row| row.energy,
-        },
-    ];
-    all.iter().map(|picture| picture.draw(linear)).collect()
-}
-
-impl Picture<'_> {
-    fn draw(&self, linear: f64) -> Result<Drawing, CaseError> {
-        let run = |row: &Measured| Run {
-            cost: row.cpu_seconds,
-            cost_error: (row.cpu_scatter > 0.0).then_some(row.cpu_scatter),
-            outcome: match ((self.reading)(row), &row.failure) {
-                (Some(value), _) => outcome(value.abs()),
-                (None, failure) => RunOutcome::Failed {
-                    reason: failure.clone().unwrap_or_else(|| "no value".into()),
-                },
-            },
-            label: Some(format!("{}", 10.0 * row.cell)),
-        };
-        let of = |candidate: Candidate| {
-            let is_of = |row: &&Measured| {
-                row.scheme == candidate.name() && row.linear_viscosity.total_cmp(&linear).is_eq()
-            };
-            let runs = self.rows.iter().filter(is_of).map(run).collect();
-            Method { name: candidate.name(), runs }
-        };
-        let series: Vec<Method> = Candidate::all().into_iter().map(of).collect();
-        let words = Words {
-            title: self.title.into(),
-            subtitle: self.subtitle.into(),
-            x_label: "CPU time of one run on one thread (s)".into(),
-            y_label: self.y_label.into(),
-            caption: vec![
-                format!(
-                    "Labels: cell (mm). Behind the shock: means over 2.5 cm of material and the time in which the front runs 1 cm."
-                ),
-                Machine::read().caption(),
-            ],
-        };
-        let name = format!("smpm-scheme-{}-{}", self.id, format!("{linear:.2}").replace('.', ""));
-        let rows = table(&series);
-        let reading = cost_in_seconds(Measure::Relative, 0.0);
-        let chart = WorkPrecision { words, reading, series };
-        Ok(Drawing::work_precision(&name, &chart)?.with_rows(&rows))
-    }
-}
-
-/// Column heads of the page.
-const HEADS: [&str; 9] = [
-    "scheme",
-    "linear viscosity",
-    "pressure",
-    "ripple",
-    "dp/dS1, mean over a window",
-    "dp/dS1 at an instant",
-    "CPU, shock (s)",
-    "energy of the explosion",
-    "CPU, explosion (s)",
-];
-
-/// All results at one cell of each problem.
+/// All results, a table for each problem.
 fn page(shocks: &[Measured], explosions: &[Measured]) -> Result<Drawing, CaseError> {
-    let mut text = format!(
-        "# Which scheme\n\nA plane shock of 0.47 Mbar in steel, cells of {} mm; the energy of an explosion over {TIME} us, cells of {} mm. MUSL, quadratic viscosity 1.5, 2 particles a cell along each axis. {}\n\n",
-        10.0 * TABLED.0,
-        10.0 * TABLED.1,
-        Machine::read().caption()
-    );
-    let at = |rows: &'_ [Measured], cell: f64| -> Vec<Measured> {
-        rows.iter().filter(|row| row.cell.total_cmp(&cell).is_eq()).cloned().collect()
-    };
-    let (shocks_at, explosions_at) = (at(shocks, TABLED.0), at(explosions, TABLED.1));
     let percent = |value: Option<f64>| {
         value.map_or_else(|| "ended".to_owned(), |value| format!("{:+.2} %", 100.0 * value))
     };
-    let row = |(shock, explosion): (&Measured, &Measured)| {
-        let of = |reading: fn(ShockErrors) -> f64| percent(shock.shock.map(reading));
-        vec![
-            shock.scheme.clone(),
-            shock.linear_viscosity.to_string(),
-            of(|errors| errors.pressure),
-            of(|errors| errors.ripple).trim_start_matches('+').to_owned(),
-            of(|errors| errors.slope),
-            of(|errors| errors.slope_at_an_instant),
-            format!("{:.3}", shock.cpu_seconds),
-            percent(explosion.energy),
-            format!("{:.2}", explosion.cpu_seconds),
-        ]
+    let heads = |of: &[&str]| -> Vec<String> {
+        let first = ["scheme", "linear viscosity", "cell (mm)"];
+        first.iter().chain(of).chain(&["CPU (s)"]).map(|&head| head.to_owned()).collect()
     };
-    let rows: Vec<Vec<String>> = shocks_at.iter().zip(&explosions_at).map(row).collect();
-    text.push_str(&markdown::table(&HEADS.map(str::to_owned), &rows));
+    let row = |run: &Measured, of: Vec<String>| -> Vec<String> {
+        let first =
+            [run.scheme.clone(), run.linear_viscosity.to_string(), (10.0 * run.cell).to_string()];
+        let seconds = format!("{:.3} ± {:.3}", run.cpu_seconds, run.cpu_scatter);
+        first.into_iter().chain(of).chain([seconds]).collect()
+    };
+    let of_shock = |run: &Measured| {
+        let of = |reading: fn(ShockErrors) -> f64| percent(run.shock.map(reading));
+        let ripple = of(|errors| errors.ripple).trim_start_matches('+').to_owned();
+        let slopes = [of(|errors| errors.slope), of(|errors| errors.slope_at_an_instant)];
+        let [over_window, at_instant] = slopes;
+        row(run, vec![of(|errors| errors.pressure), ripple, over_window, at_instant])
+    };
+    let shock_heads =
+        heads(&["pressure", "ripple", "dp/dS1, mean over a window", "dp/dS1 at an instant"]);
+    let shock_rows: Vec<Vec<String>> = shocks.iter().map(of_shock).collect();
+    let explosion_rows: Vec<Vec<String>> =
+        explosions.iter().map(|run| row(run, vec![percent(run.energy)])).collect();
+    let text = format!(
+        "# Which scheme\n\nMUSL, quadratic viscosity 1.5, 2 particles a cell along each axis, one thread. {}\n\n## A plane shock of 0.47 Mbar in steel\n\n\
+         Means over 2.5 cm of material behind the front and the time in which it runs 1 cm.\n\n{}\n## The energy of an explosion over {TIME} us\n\n\
+         Change of the energy, over that of the start.\n\n{}",
+        Machine::read().caption(),
+        markdown::table(&shock_heads, &shock_rows),
+        markdown::table(&heads(&["energy"]), &explosion_rows)
+    );
     let all: Vec<Measured> = shocks.iter().chain(explosions).cloned().collect();
     Ok(Drawing::page("smpm-scheme", text, &all)?)
 }

@@ -1,7 +1,7 @@
 //! Stability limits of `fpk-sph` on the damper of Canor & Denoël 2013, section 4.1.
 //!
-//! Swept are the support radius, the step, half-width and particle count of the lattice, the time, and the exponent of
-//! the damper.
+//! Swept are the support radius, the step, half-width and particle count of the lattice, the time, and the exponent of the
+//! damper; for forward Euler time and step.
 //!
 //! The predicted step is the diffusion limit of Runge-Kutta 4,
 //!
@@ -27,18 +27,18 @@ use reference_problems::fpk::problem::Problem;
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "fpk",
-    title: "methods of fpk-sph on the damper: reach, step, lattice, time, exponent",
+    title: "the flow-map fit on the damper: reach, step, lattice, time, exponent; forward Euler",
     draw,
 };
 
 /// Work limit in steps: a hundred times that of an accurate run.
-pub(super) const MOST_STEPS: u64 = 10_000;
+const MOST_STEPS: u64 = 10_000;
 /// Tolerance of E[q^2].
-pub(super) const TOLERANCE: f64 = 0.01;
+const TOLERANCE: f64 = 0.01;
 /// Time of the other sweeps: noise at its plateau.
-pub(super) const TIME: f64 = 4.0;
+const TIME: f64 = 4.0;
 /// Particles along an axis of the reference run, which also gives the diffusion limit.
-pub(super) const FINE: usize = 81;
+const FINE: usize = 81;
 /// Particles along an axis of the swept runs.
 const COARSE: usize = 41;
 
@@ -55,10 +55,6 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     Ok(drawings)
 }
 
-pub(super) fn drawn(panel: &Panel<'_>) -> Result<Drawing, CaseError> {
-    Ok(panel.sweep()?)
-}
-
 /// Caption of the line in the map of support radius and step.
 const REACH_AND_STEP: &str = "Boundary: the diffusion limit 0.25 l² / max tr(F⁻¹ D F⁻ᵀ), cells F in spacings; \
      the trace from a run with 81 x 81 particles; l² = min(R², 10.4 / k²) with the reach R and k the steepest gradient that \
@@ -72,7 +68,7 @@ fn of_coarse(limit_of_fine: f64) -> f64 {
 
 /// An odd number of particles along an axis.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "tens of particles")]
-pub(super) fn odd(count: f64) -> usize {
+fn odd(count: f64) -> usize {
     2 * (0.5 * count).round() as usize + 1
 }
 
@@ -96,20 +92,20 @@ fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
 }
 
 /// Result of a run to a time.
-pub(super) struct Run {
+struct Run {
     /// `E[q^2]` at the end.
     second_moment: f64,
     /// Smallest diffusion limit reported by its steps.
-    pub(super) least_limit: f64,
+    least_limit: f64,
 }
 
-pub(super) struct Damper {
+struct Damper {
     problem: Problem,
-    pub(super) system: ViscousDamper,
+    system: ViscousDamper,
 }
 
 impl Damper {
-    pub(super) fn new() -> Result<Self, CaseError> {
+    fn new() -> Result<Self, CaseError> {
         let problem = Problem::viscous_damper()?;
         let Oscillator::Damper(system) = &problem.system else {
             return Err("the scene of the damper is not one".into());
@@ -147,7 +143,7 @@ impl Damper {
     }
 
     /// The run with [`FINE`] particles per side, in steps of at most 0.01.
-    pub(super) fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
+    fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
         let step = StepRule::DiffusionLimited { longest: 0.01 };
         let combination = Combination { step, ..method.combination() };
         let lattice = InitialLattice::box_of(FINE);
@@ -155,7 +151,7 @@ impl Damper {
     }
 
     /// Relative error of `E[q^2]` against the reference.
-    pub(super) fn error(
+    fn error(
         &self,
         combination: Combination,
         lattice: InitialLattice<2>,
@@ -191,7 +187,7 @@ impl Damper {
             Ok(length) => Some(length.map_or(0.0, |length| limit * length / own)),
             Err(_) => None,
         };
-        drawn(&Panel {
+        let panel = Panel {
             name: format!("fpk-reach-step-{id}"),
             words: words(
                 format!("{name}: reach of the neighbourhood and step"),
@@ -206,7 +202,8 @@ impl Damper {
             tolerance: TOLERANCE,
             work_limit: MOST_STEPS,
             run: &run,
-        })
+        };
+        Ok(panel.sweep()?)
     }
 
     fn lattice(&self, n: u32, id: &str, name: &str, method: Method) -> Result<Drawing, CaseError> {
@@ -214,7 +211,7 @@ impl Damper {
             let lattice = InitialLattice::Box { reach, count: [odd(count); 2] };
             self.error(method.combination(), lattice, TIME, work)
         };
-        drawn(&Panel {
+        let panel = Panel {
             name: format!("fpk-lattice-{id}"),
             words: words(
                 format!("{name}: reach and count of the lattice"),
@@ -229,7 +226,8 @@ impl Damper {
             tolerance: TOLERANCE,
             work_limit: MOST_STEPS,
             run: &run,
-        })
+        };
+        Ok(panel.sweep()?)
     }
 
     /// The noise decays from t = 6 on and the cloud collapses onto a slow manifold.
@@ -237,7 +235,7 @@ impl Damper {
         let run = |time: f64, count: f64, work: &mut Work| {
             self.error(method.combination(), InitialLattice::box_of(odd(count)), time.round(), work)
         };
-        drawn(&Panel {
+        let panel = Panel {
             name: format!("fpk-time-{id}"),
             words: words(
                 format!("{name}: time and particles"),
@@ -252,7 +250,8 @@ impl Damper {
             tolerance: TOLERANCE,
             work_limit: MOST_STEPS,
             run: &run,
-        })
+        };
+        Ok(panel.sweep()?)
     }
 
     fn forward_euler(&self, n: u32) -> Result<Drawing, CaseError> {
@@ -266,7 +265,7 @@ impl Damper {
         };
         let omega_squared = std::f64::consts::PI.powi(2);
         let growth = |time: f64| Some(TOLERANCE.ln_1p() / (omega_squared * time));
-        drawn(&Panel {
+        let panel = Panel {
             name: "fpk-forward-euler".into(),
             words: words(
                 "forward Euler: time and step".into(),
@@ -281,7 +280,8 @@ impl Damper {
             tolerance: TOLERANCE,
             work_limit: MOST_STEPS,
             run: &run,
-        })
+        };
+        Ok(panel.sweep()?)
     }
 
     /// Below 1 the drift has no Lipschitz constant at rest.
@@ -323,7 +323,7 @@ impl Damper {
             let part = (exponent - from) / (to - from);
             Some((1.0 - part) * limit_at(after - 1)? + part * limit_at(after)?)
         };
-        drawn(&Panel {
+        let panel = Panel {
             name: "fpk-exponent".into(),
             words: words(
                 "flow-map fit: exponent of the damper and step".into(),
@@ -338,6 +338,7 @@ impl Damper {
             tolerance: TOLERANCE,
             work_limit: MOST_STEPS,
             run: &run,
-        })
+        };
+        Ok(panel.sweep()?)
     }
 }

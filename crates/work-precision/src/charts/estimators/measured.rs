@@ -4,8 +4,7 @@ use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPreci
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 
-use crate::charts::fpk::cost_in_seconds;
-use crate::charts::smpm::table;
+use crate::charts::cost::{cost_in_seconds, median_and_half_range, table};
 use reference_problems::context::CaseError;
 
 /// Runs of a method at one size: the label of the size, and a run with a seed, which returns relative errors.
@@ -47,13 +46,12 @@ fn at_size(size: &Size<'_>, n_seeds: u64) -> Run {
         squares += errors.iter().map(|error| error * error).sum::<f64>();
         n += errors.len();
     }
-    seconds.sort_by(f64::total_cmp);
+    let (cost, spread) = median_and_half_range(seconds);
     let value = (squares / f64::from(u32::try_from(n).unwrap_or(u32::MAX))).sqrt();
     // Of the root mean square of independent errors; those of one seed are related.
     let standard_error = Some(value / (2.0 * n_seeds as f64).sqrt());
-    let spread = 0.5 * (seconds[seconds.len() - 1] - seconds[0]);
     Run {
-        cost: seconds[seconds.len() / 2],
+        cost,
         cost_error: (spread > 0.0).then_some(spread),
         outcome: RunOutcome::Error { value, standard_error },
         label: Some(size.label.clone()),

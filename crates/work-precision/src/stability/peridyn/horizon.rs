@@ -4,9 +4,8 @@ use peridyn_sde::{
     BondConfig, Condition, Error, Horizon, Influence, Nodes, NoteAsPrinted, SurfaceCorrection,
     VolumeCorrection,
 };
-use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
+use result_figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 
-use super::point;
 use crate::draw::ChartKind;
 use crate::stability::axes::linear;
 use reference_problems::context::{CaseError, Context, Profile};
@@ -55,34 +54,36 @@ fn horizons(is_quick: bool) -> Vec<f64> {
 
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let all = horizons(context.profile == Profile::Quick);
-    let (mut moduli, mut anisotropies, mut rows) = (Vec::new(), Vec::new(), Vec::new());
-    for (look, (name, volume)) in CORRECTIONS.into_iter().enumerate() {
-        let of = |which: fn([f64; 2]) -> f64| -> Vec<CurvePoint> {
-            all.iter().map(|&m| point(m, stiffness(m, volume).map(which))).collect()
-        };
-        let curve = |look, points: Vec<CurvePoint>| Curve {
-            points: joined(points),
-            ..Curve::line(name, look, [])
-        };
-        let c11 = of(|[c11, _]| c11);
-        let off = |point: &CurvePoint| point.value().map_or(0.0, |c11| (c11 - 1.0).abs());
-        let farthest = c11.iter().filter(|point| point.x > 3.0).map(off).fold(0.0, f64::max);
-        moduli.push(curve(look, c11));
-        anisotropies.push(curve(look, of(|[c11, c12]| 1.0 - c12 / c11)));
+    let (mut moduli, mut anisotropies) = (Chart::default(), Chart::default());
+    let mut rows = Vec::new();
+    for (name, volume) in CORRECTIONS {
+        // A horizon that passes through nodes is rejected, and leaves no gap.
+        let found: Vec<(f64, [f64; 2])> =
+            all.iter().filter_map(|&m| Some((m, stiffness(m, volume).ok()?))).collect();
+        let (mut line, mut farthest) = ([vec![], vec![]], 0.0_f64);
+        for &(m, [c11, c12]) in &found {
+            line[0].push((m, Some(c11)));
+            line[1].push((m, Some(1.0 - c12 / c11)));
+            farthest = if m > 3.0 { farthest.max((c11 - 1.0).abs()) } else { farthest };
+        }
         let (mut row, mut marks) = (vec![format!("  {name:8}")], [vec![], vec![]]);
         for m in 2..=6 {
             let x = f64::from(m) + 0.015;
             let [c11, c12] = stiffness(x, volume)?;
             let anisotropy = 1.0 - c12 / c11;
-            marks[0].push(CurvePoint::at(x, c11));
-            marks[1].push(CurvePoint::at(x, anisotropy));
+            marks[0].push(ReferencePoint { x, y: c11, error: None });
+            marks[1].push(ReferencePoint { x, y: anisotropy, error: None });
             row.push(format!("m = {m}.015: {c11:.3} {c12:.3} {anisotropy:+.3}"));
         }
         row.push(format!("C11 beyond m = 3 off by up to {:.1} %", 100.0 * farthest));
         rows.push(row.join(" | "));
-        let [of_modulus, of_anisotropy] = marks;
-        moduli.push(Curve::points("", look, of_modulus));
-        anisotropies.push(Curve::points("", look, of_anisotropy));
+        for ((chart, points), marks) in
+            [&mut moduli, &mut anisotropies].into_iter().zip(line).zip(marks)
+        {
+            chart.lines.push(Line { name: name.into(), points });
+            let name = format!("{name}, m.015 as the crate proposes");
+            chart.references.push(ReferencePoints { name, points: marks });
+        }
     }
     rows.insert(0, "  C11 and C12 over those of the elastic plate, anisotropy".into());
     let kept = kept_by_note()?;
@@ -93,24 +94,17 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let refused = refusal()?;
     rows.push(format!("  {refused}"));
     let caption = format!(
-        "Points: m.015, as the crate proposes. Crosses: horizons that pass through nodes are rejected. As printed, with a horizon of 3 dx, roundoff keeps {:.0} to {:.0} % of the bonds of that length, by spacing (20 of them, 0.001 to 0.02).",
+        "A horizon that passes through nodes is rejected. As printed, with a horizon of 3 dx, roundoff keeps {:.0} to {:.0} % of the bonds of that length, by spacing (20 of them, 0.001 to 0.02).",
         100.0 * kept.0,
         100.0 * kept.1
     );
     let stiffness = picture(true, moduli, caption.clone());
     let anisotropy = picture(false, anisotropies, caption);
-    let drawing = Drawing::curves("peridyn-horizon-stiffness", &stiffness)?;
+    let drawing = Drawing::time_series("peridyn-horizon-stiffness", &stiffness)?;
     Ok(vec![
         Drawing { table: rows.join("\n"), ..drawing },
-        Drawing::curves("peridyn-horizon-anisotropy", &anisotropy)?,
+        Drawing::time_series("peridyn-horizon-anisotropy", &anisotropy)?,
     ])
-}
-
-/// A rejected horizon between two accepted ones is a cross, without a gap in the line.
-fn joined(points: Vec<CurvePoint>) -> Vec<CurvePoint> {
-    let (values, ended): (Vec<_>, Vec<_>) =
-        points.into_iter().partition(|point| point.value().is_some());
-    values.into_iter().chain(ended).collect()
 }
 
 /// Smallest and largest fraction of bonds of three spacings that a horizon of `3 dx` keeps by `<`, over some spacings.
@@ -138,7 +132,14 @@ fn refusal() -> Result<String, CaseError> {
     }
 }
 
-fn picture(is_stiffness: bool, series: Vec<Curve>, caption: String) -> Curves {
+/// What a picture shows.
+#[derive(Default)]
+struct Chart {
+    lines: Vec<Line>,
+    references: Vec<ReferencePoints>,
+}
+
+fn picture(is_stiffness: bool, mut chart: Chart, caption: String) -> TimeSeries {
     let (title, y_label, level) = if is_stiffness {
         (
             "From three spacings on a ramp of volumes keeps the stiffness within 4 %",
@@ -152,7 +153,9 @@ fn picture(is_stiffness: bool, series: Vec<Curve>, caption: String) -> Curves {
             ("isotropic", 0.0),
         )
     };
-    Curves {
+    let points = [1.613, 6.413].map(|m| (m, Some(level.1))).to_vec();
+    chart.lines.push(Line { name: level.0.into(), points });
+    TimeSeries {
         words: Words {
             title: title.into(),
             subtitle: "square lattice in plane stress, constant influence, by what is done with volumes at the horizon".into(),
@@ -160,9 +163,9 @@ fn picture(is_stiffness: bool, series: Vec<Curve>, caption: String) -> Curves {
             y_label: y_label.into(),
             caption: vec![caption],
         },
-        across: Scale::Linear,
-        upwards: Scale::Linear,
-        series,
-        thresholds: vec![Threshold::upwards(level.0, level.1)],
+        scale: Scale::Linear,
+        lines: chart.lines,
+        bands: Vec::new(),
+        references: chart.references,
     }
 }

@@ -1,7 +1,7 @@
 //! Strength over noise: fraction of bonds of an unloaded plate that break.
 
 use peridyn_sde::Scheme;
-use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
+use result_figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 
 use crate::draw::ChartKind;
 use crate::stability::axes::linear;
@@ -81,25 +81,26 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         for ((points, lost), time) in points.iter_mut().zip(lost).zip(times) {
             let (share, error) = mean(&lost.map(|lost| lost / n_bonds));
             let expected = predicted(ratio, time / lambda);
-            points.push(CurvePoint::sampled(ratio, share, error));
+            points.push(ReferencePoint { x: ratio, y: share, error: Some(error) });
             row.push(format!(
                 "t = {time:4}: {share:9.2e} +- {error:.0e}, predicted {expected:9.2e}"
             ));
         }
         rows.push(row.join(" | "));
     }
-    let mut series = Vec::new();
-    for (look, (points, time)) in points.into_iter().zip(times).enumerate() {
+    let (mut lines, mut references) = (Vec::new(), Vec::new());
+    for (mut points, time) in points.into_iter().zip(times) {
         let mut line = Vec::new();
         for ratio in linear(if is_quick { 10 } else { 46 }, 3.0, 12.0) {
-            line.push((ratio, predicted(ratio, time / lambda)));
+            line.push((ratio, Some(predicted(ratio, time / lambda))));
         }
         // A fraction below one bond of all lanes is not observable.
-        line.retain(|&(_, share)| share * n_bonds * LANES as f64 > 1e-3);
-        series.push(Curve::line(format!("after {time}/λ"), look, line));
-        series.push(Curve::points("", look, points));
+        line.retain(|&(_, share)| share.is_some_and(|p| p * n_bonds * LANES as f64 > 1e-3));
+        points.retain(|point| point.y > 0.0);
+        lines.push(Line { name: format!("predicted after {time}/λ"), points: line });
+        references.push(ReferencePoints { name: format!("after {time}/λ"), points });
     }
-    let drawing = Drawing::curves("peridyn-noise", &picture(series, n_bonds))?;
+    let drawing = Drawing::time_series("peridyn-noise", &picture(lines, references, n_bonds))?;
     Ok(vec![Drawing { table: rows.join("\n"), ..drawing }])
 }
 
@@ -111,8 +112,8 @@ fn mean(values: &[f64]) -> (f64, f64) {
     (mean, (square / (n - 1.0) / n).sqrt())
 }
 
-fn picture(series: Vec<Curve>, n_bonds: f64) -> Curves {
-    Curves {
+fn picture(lines: Vec<Line>, references: Vec<ReferencePoints>, n_bonds: f64) -> TimeSeries {
+    TimeSeries {
         words: Words {
             title: "Below s₀/σ = 7 noise alone breaks the plate; from 8 on it does not show".into(),
             subtitle: "plate of 16 x 16 nodes, three shells, held along one edge, no load; Heun with the bridge, z = 0.2; time in 1/λ of the stiffest mode".into(),
@@ -122,13 +123,10 @@ fn picture(series: Vec<Curve>, n_bonds: f64) -> Curves {
                 "Points: mean and standard error of {LANES} realisations of {n_bonds} bonds, none where not one bond broke. Lines: each bond a killed Ornstein-Uhlenbeck path of its own variance and diffusion, as if no other had broken."
             )],
         },
-        across: Scale::Linear,
-        upwards: Scale::Log,
-        series,
-        thresholds: vec![
-            Threshold::across("7: marginal", 7.0),
-            Threshold::across("8: safe for a run", 8.0),
-        ],
+        scale: Scale::Log,
+        lines,
+        bands: Vec::new(),
+        references,
     }
 }
 

@@ -1,10 +1,7 @@
 //! Limits of Taylor series: coefficient of variation, first yield, arrival of a shock.
 
 use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
-use result_figures::{
-    Drawing, Line, Method, Reading, ReferencePoint, ReferencePoints, Run, RunOutcome, Scale,
-    TimeSeries, Words, WorkPrecision,
-};
+use result_figures::{Drawing, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
 use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 use smpm::Error;
@@ -17,10 +14,6 @@ use reference_problems::smpm::problems::{Problem, experiment};
 const TRUSTED: f64 = 0.03;
 /// Coefficient of variation above which a normal distribution would leave the range of its parameter.
 const MOST_NORMAL: f64 = 0.2;
-/// Coefficient of variation of the map over time.
-const USUAL: f64 = 0.05;
-/// Fraction of the largest variance over time below which the wave has not arrived.
-const NOTHING: f64 = 1e-6;
 /// Step of central differences, in standard deviations.
 const DIFFERENCE: f64 = 0.02;
 /// Number of raw samples whose standard error is drawn.
@@ -38,8 +31,6 @@ struct Look {
     times: (f64, f64, u32),
     /// Maps over the coefficient of variation: file name, label, gauge, quantity, time (us).
     at: &'static [(&'static str, &'static str, &'static str, usize, f64)],
-    /// Maps over time: file name, label, gauge, quantity.
-    over_time: &'static [(&'static str, &'static str, &'static str, usize)],
 }
 
 const LOOKS: [Look; 3] = [
@@ -53,7 +44,6 @@ const LOOKS: [Look; 3] = [
             ("first-yield", "flow stress at G, 7 us: just yielded", "G", 0, 7.0),
             ("unloading", "S11 at H, 12 us: unloading", "H", 1, 12.0),
         ],
-        over_time: &[("strength", "S11 at G; A, B, n, C, m of steel", "G", 1)],
     },
     Look {
         problem: Problem::ThickPlate,
@@ -64,7 +54,6 @@ const LOOKS: [Look; 3] = [
             ("arrival", "pressure at F, 8.5 us: the shock arrives", "F", 0, 8.5),
             ("behind", "pressure at F, 12 us: behind the shock", "F", 0, 12.0),
         ],
-        over_time: &[("pressure", "pressure at F; S1, gamma0, a of steel", "F", 0)],
     },
     // The front passes the gauge at 4.95 us.
     Look {
@@ -73,7 +62,6 @@ const LOOKS: [Look; 3] = [
         times: (4.5, 0.05, 25),
         quantities: &["pressure"],
         at: &[("front", "pressure 3 cm deep, 4.8 us: a sharp front arrives", POINT, 0, 4.8)],
-        over_time: &[("front", "pressure 3 cm deep; S1, gamma0, a of steel", POINT, 0)],
     },
 ];
 
@@ -108,7 +96,6 @@ struct Judged {
     coefficient_of_variation: f64,
     /// Gauge, quantity and time of each response.
     responses: Vec<(String, usize, f64)>,
-    variance: Vec<f64>,
     /// Error of each method's variance relative to the sampled one, or why it is missing.
     errors: Vec<Result<Vec<f64>, String>>,
     /// Standard errors of the controlled variance and of the raw variance, relative to that variance.
@@ -193,7 +180,6 @@ impl Judged {
             coefficient_of_variation: strength,
             indicators: indicators.collect(),
             responses,
-            variance,
             errors,
             standard_error,
             raw_error,
@@ -224,7 +210,7 @@ impl Judged {
 pub(super) fn charts(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let is_quick = context.profile == Profile::Quick;
     let strengths: &[f64] =
-        if is_quick { &[USUAL, 0.3] } else { &[0.01, 0.02, USUAL, 0.1, 0.2, 0.3, 0.5] };
+        if is_quick { &[0.05, 0.3] } else { &[0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5] };
     let n_samples = if is_quick { 24 } else { 200 };
     let mut drawings = Vec::new();
     for look in &LOOKS {
@@ -240,17 +226,6 @@ pub(super) fn charts(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
         for &(name, words, gauge, quantity, time) in look.at {
             let response = judged[0].response(gauge, quantity, time)?;
             drawings.push(over_variation((name, words, look.words), &judged, response, n_samples)?);
-        }
-        let usual =
-            judged.iter().find(|one| one.coefficient_of_variation.total_cmp(&USUAL).is_eq());
-        let usual = usual.ok_or("the usual coefficient of variation is not swept")?;
-        for &(name, words, gauge, quantity) in look.over_time {
-            drawings.push(over_time(
-                (name, words, look.words),
-                usual,
-                (gauge, quantity),
-                &look.times(),
-            )?);
         }
     }
     Ok(drawings)
@@ -318,67 +293,4 @@ fn over_variation(
     // Every method runs at the same coefficients.
     let chart = WorkPrecision { words, reading: Reading::Parameter, series };
     Ok(Drawing::work_precision(&name, &chart)?.with_rows(&rows.join("\n")))
-}
-
-/// Error of every method over time, with warnings.
-fn over_time(
-    (name, what, problem): (&str, &str, &str),
-    judged: &Judged,
-    (gauge, quantity): (&str, usize),
-    times: &[f64],
-) -> Result<Drawing, CaseError> {
-    let mut responses = Vec::new();
-    for &time in times {
-        responses.push((time, judged.response(gauge, quantity, time)?));
-    }
-    let largest = responses.iter().map(|&(_, r)| judged.variance[r]).fold(0.0, f64::max);
-    responses.retain(|&(_, r)| judged.variance[r] > NOTHING * largest);
-    let mut lines = Vec::new();
-    for (method, errors) in METHODS.iter().zip(&judged.errors) {
-        let Ok(errors) = errors else { continue };
-        let value =
-            |&(time, r): &(f64, usize)| (time, Some(errors[r].abs()).filter(|e| e.is_finite()));
-        let points = responses.iter().map(value).collect();
-        lines.push(Line { name: (*method).to_owned(), points });
-    }
-    let own = responses.iter().map(|&(time, r)| (time, Some(judged.standard_error[r])));
-    lines.push(Line { name: "standard error of the reference".into(), points: own.collect() });
-    let jets = judged.errors[1].as_ref().map_err(Clone::clone)?;
-    let warned = |letter: char, name: &str| ReferencePoints {
-        name: name.into(),
-        points: responses
-            .iter()
-            .filter(|&&(_, r)| judged.warning(r).is_some_and(|warning| warning.contains(letter)))
-            .map(|&(x, r)| ReferencePoint { x, y: jets[r].abs(), error: None })
-            .collect(),
-    };
-    let references = vec![
-        warned('r', "warned by the curvature ratio"),
-        warned('s', "warned by a switch within two deviations"),
-    ];
-    let row = |&(time, r): &(f64, usize)| {
-        let (ratio, switch) = judged.indicators[r];
-        format!(
-            "  {time:5.2} us  jets {:+8.2} %  r {ratio:.3}  switch {switch:.1} deviations",
-            100.0 * jets[r]
-        )
-    };
-    let rows: Vec<String> = responses.iter().map(row).collect();
-    let chart = TimeSeries {
-        words: Words {
-            title: format!("Where derivatives do not determine the variance: {what}"),
-            subtitle: format!("{problem}, coefficient of variation {USUAL}, normal"),
-            x_label: "time (us)".into(),
-            y_label: "relative error of the variance".into(),
-            caption: vec![
-                "Peaks: the shock arrives, the gauge yields first, the gradient passes through zero. Jets and differences lie on each other. Before the first point nothing has arrived.".into(),
-            ],
-        },
-        scale: Scale::Log,
-        lines,
-        bands: Vec::new(),
-        references,
-    };
-    let name = format!("smpm-derivatives-{name}");
-    Ok(Drawing { table: rows.join("\n"), ..Drawing::time_series(&name, &chart)? })
 }

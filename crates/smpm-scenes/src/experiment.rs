@@ -1,9 +1,9 @@
-//! A scene as an experiment with random parameters.
+//! A scene as an experiment with random inputs: parameters, or coefficients of random fields.
 
-use perturbation_moments::Scalar;
+use perturbation_moments::{RandomVector, Scalar};
 use scene_runs::scene::Objection;
-use smpm::uncertainty::{Experiment, FieldExperiment};
-use smpm::{Body, Config, Error, Fill, Number, Simulation};
+use smpm::uncertainty::{Coefficients, Experiment, Inputs};
+use smpm::{Config, Error, Fill, Number, Simulation};
 
 use super::material_scene::{MaterialScene, Numbers, Part};
 use super::random_fields::PreparedField;
@@ -17,6 +17,7 @@ pub struct SceneExperiment<const D: usize> {
     bodies: Vec<Prepared<D>>,
     fills: Vec<Fill<D>>,
     random: Vec<RandomParameter>,
+    parameters: RandomVector<MOST_RANDOM>,
     fields: Vec<PreparedField>,
 }
 
@@ -54,7 +55,26 @@ impl<const D: usize> SceneExperiment<D> {
         let bodies = scene.bodies.iter().enumerate().map(prepare).collect::<Result<_, _>>()?;
         let fields = scene.prepared_fields(&fills)?;
         let (config, random) = (scene.config()?, scene.random_parameters()?);
-        Ok(Self { config, bodies, fills, random, fields })
+        Ok(Self { config, bodies, fills, random, parameters: scene.inputs()?, fields })
+    }
+
+    /// The random inputs: coefficients of the fields, or parameters where there are none.
+    #[must_use]
+    pub fn inputs(&self) -> Box<dyn Inputs> {
+        match self.n_coefficients() {
+            0 => self.parameters.into(),
+            n => Coefficients(n).into(),
+        }
+    }
+
+    /// Number of coefficients of all random fields.
+    pub(super) fn n_coefficients(&self) -> usize {
+        self.fields.iter().map(|field| field.n_terms).sum()
+    }
+
+    /// Number of random parameters or coefficients.
+    pub(super) fn n_random(&self) -> usize {
+        self.random.len() + self.n_coefficients()
     }
 
     /// The random fields: their constants, terms, and the variance that the terms leave out, mean and largest.
@@ -89,36 +109,23 @@ impl<const D: usize> SceneExperiment<D> {
     }
 }
 
-impl<const D: usize> Experiment<D, MOST_RANDOM> for SceneExperiment<D> {
-    fn simulation<S: Number>(&self, x: &[S; MOST_RANDOM]) -> Result<Simulation<S, D>, Error> {
-        let body = |(prepared, fill): (&Prepared<D>, &Fill<D>)| -> Result<Body<S, D>, Error> {
-            let of = |part: Part, name: &'static str| -> S {
-                let random = self.random.iter().zip(x).find(|(random, _)| {
-                    random.key == (part, name) && random.material == prepared.material_name
-                });
-                match random {
-                    Some((_, &value)) => value,
-                    None => <S as Scalar>::constant(prepared.numbers[&(part, name)]),
-                }
-            };
-            prepared.material.body(&of, fill, prepared.velocity)
-        };
-        let bodies = self.bodies.iter().zip(&self.fills).map(body).collect::<Result<_, _>>()?;
-        Simulation::new(self.config.clone(), bodies)
-    }
-}
-
-impl<const D: usize> FieldExperiment<D> for SceneExperiment<D> {
-    fn n_coefficients(&self) -> usize {
-        self.fields.iter().map(|field| field.n_terms).sum()
-    }
-
-    fn simulation<S: Number>(&self, coefficients: &[S]) -> Result<Simulation<S, D>, Error> {
+impl<const D: usize> Experiment<D> for SceneExperiment<D> {
+    fn simulation<S: Number>(&self, x: &[S]) -> Result<Simulation<S, D>, Error> {
+        let (value, expected) = (x.len(), self.inputs().n_normals());
+        if value != expected {
+            return Err(Error::OtherInputs { value, expected });
+        }
         let body = |(b, (prepared, fill)): (usize, (&Prepared<D>, &Fill<D>))| {
             let own = self.fields.iter().filter(|field| field.material == prepared.material_name);
             let factors: Vec<(&PreparedField, Vec<S>)> =
-                own.map(|field| (field, field.factors(b, coefficients))).collect();
+                own.map(|field| (field, field.factors(b, x))).collect();
             let of = |particle: usize, part: Part, name: &'static str| -> S {
+                let random = self.random.iter().zip(x).find(|(random, _)| {
+                    random.key == (part, name) && random.material == prepared.material_name
+                });
+                if let Some((_, &value)) = random {
+                    return value;
+                }
                 let constant = <S as Scalar>::constant(prepared.numbers[&(part, name)]);
                 let varies = factors.iter().find(|(field, _)| field.keys.contains(&(part, name)));
                 varies.map_or(constant, |(_, factors)| constant * factors[particle])

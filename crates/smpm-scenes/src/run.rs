@@ -1,7 +1,6 @@
 //! Runs a scene of bodies on a grid: mean and variance of every response, with trust indicators.
 
 mod answers;
-mod field_solve;
 mod fields;
 mod findings;
 mod grid_level;
@@ -76,9 +75,6 @@ fn run_in<const D: usize>(
         MethodScene::Multilevel(method) => {
             let of_scene = (&experiment, &plan);
             multilevel::solve(scene, method, of_scene, &mut fields, run)
-        }
-        _ if !scene.random_fields.is_empty() => {
-            field_solve::solve_fields(scene, &experiment, &plan, &mut fields, run)
         }
         _ => solve::solve(scene, &experiment, &plan, &mut fields, run),
     };

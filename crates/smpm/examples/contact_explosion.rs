@@ -12,7 +12,7 @@ use smpm::material::{
     Detonation, Fluid, JohnsonCook, JohnsonCookParameters, Jwl, MieGruneisen, Solid, TensionCutOff,
     Units, library,
 };
-use smpm::uncertainty::{Experiment, FrozenForm, Study};
+use smpm::uncertainty::{Experiment, FrozenForm, Series, Study, exactly};
 use smpm::{
     Body, Boundary, BoundaryKind, Config, Error, Fill, Gauge, Number, Place, Plan, Quantity, Side,
     Simulation, Window,
@@ -27,9 +27,9 @@ struct ContactExplosion {
     cell: f64,
 }
 
-impl Experiment<2, 5> for ContactExplosion {
-    fn simulation<S: Number>(&self, x: &[S; 5]) -> Result<Simulation<S, 2>, Error> {
-        let [a, b, n, c, m] = *x;
+impl Experiment<2> for ContactExplosion {
+    fn simulation<S: Number>(&self, x: &[S]) -> Result<Simulation<S, 2>, Error> {
+        let [a, b, n, c, m] = exactly(x)?;
         let half = 0.5 * self.cell;
         let charge = |x: &[f64; 2]| x[0].abs() < 4.0 && x[1] < 4.0;
         let plate = |x: &[f64; 2]| (4.0..6.0).contains(&x[0]);
@@ -80,14 +80,14 @@ fn main() -> Result<(), Error> {
     for (response, moments) in propagated.moments.iter().enumerate() {
         let (gauge, quantity, window) = plan.parts(response);
         let deviation = |variance: f64| 1e5 * variance.sqrt();
-        let frozen = frozen[response].map_or(0.0, |frozen| frozen.variance_first_order());
+        let frozen = frozen[response].as_ref().map_or(0.0, Series::variance);
         println!(
             "{} {:12} {:4} us: {:8.1} +- {:5.1} ({:.1})",
             plan.gauges[gauge].name,
             plan.quantities[quantity].to_string(),
             plan.windows[window].to,
-            1e5 * moments.mean_second_order()?,
-            deviation(moments.variance_first_order()),
+            1e5 * moments.mean(),
+            deviation(moments.variance()),
             deviation(frozen),
         );
     }

@@ -28,9 +28,9 @@ pub enum Error {
     /// A varying material that does not show its constants.
     #[error("the constants of this material cannot vary: it does not show all of them")]
     ConstantsNotShown,
-    /// Another number of coefficients than the experiment takes.
-    #[error("{value} coefficients of random fields; the experiment takes {expected}")]
-    OtherCoefficients {
+    /// Another number of random inputs, or of their standard normals, than an experiment takes.
+    #[error("{value} random inputs; the experiment takes {expected}")]
+    OtherInputs {
         /// How many were given.
         value: usize,
         /// How many it takes.

@@ -10,7 +10,7 @@ use result_pages::Motion;
 use scene_runs::checkpoint::{Checkpoint, CheckpointError};
 use scene_runs::kind::SolverError;
 use scene_runs::output::write_to_disk;
-use smpm::uncertainty::{Experiment, FieldStudy, Study};
+use smpm::uncertainty::Study;
 use smpm::{Body, Error, Number, Quantity, Simulation};
 
 use super::shown::Shown;
@@ -90,28 +90,16 @@ impl<'a> Fields<'a> {
         self.frame(time, run, mean, Some(&deviation));
     }
 
-    /// The reference run again, in `f64`.
-    pub(super) fn of_numbers<X: Experiment<D, N>, const D: usize, const N: usize>(
-        &mut self,
-        study: &Study<'_, X, D, N>,
-    ) -> Result<(), Error> {
-        if self.wanted {
-            study.mean_run_seen(|time, run| self.frame(time, run, |value| value, None))?;
-        }
-        self.are_shown();
-        Ok(())
-    }
-
-    /// A realisation of random fields, in `f64`, with its constants.
+    /// A run at these standard normals, in `f64`, with the constants that vary in space.
     pub(super) fn of_realisation<const D: usize>(
         &mut self,
-        study: &FieldStudy<'_, SceneExperiment<D>, D>,
-        coefficients: &[f64],
+        study: &Study<'_, SceneExperiment<D>, D>,
+        normals: &[f64],
         experiment: &SceneExperiment<D>,
     ) -> Result<(), Error> {
         if self.wanted {
-            self.constants = experiment.constants(coefficients);
-            study.run_seen(coefficients, |time, run| self.frame(time, run, |value| value, None))?;
+            self.constants = experiment.constants(normals);
+            study.run_seen(normals, |time, run| self.frame(time, run, |value| value, None))?;
         }
         self.are_shown();
         Ok(())

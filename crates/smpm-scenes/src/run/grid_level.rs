@@ -1,12 +1,10 @@
 //! A scene on grids of doubling cells, as the levels of a multilevel estimate.
 
-use perturbation_moments::{MonteCarlo, RandomVector};
-use smpm::uncertainty::{Experiment, FieldExperiment, FieldStudy, Keep, Study};
+use smpm::uncertainty::{Experiment, Keep, Study};
 use smpm::{Error, Plan};
 use uq_estimators::{Failure, Ladder, Pair};
 
 use crate::experiment::SceneExperiment;
-use crate::reading::MOST_RANDOM;
 use crate::scene::SmpmScene;
 
 /// A run as a function of the number of its random input.
@@ -75,17 +73,12 @@ impl Ladder for Grids<'_> {
 
 /// The plan of a scene for coarser grids: what it reads at gauges, they read at the same points.
 pub(super) fn for_coarser_grids<const D: usize>(
-    scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
 ) -> Result<Plan<D>, Error> {
-    if scene.random_fields.is_empty() {
-        let centre = inputs(scene)?.centre();
-        plan.interpolated(&Experiment::simulation(experiment, &centre)?)
-    } else {
-        let centre = vec![0.0; experiment.n_coefficients()];
-        plan.interpolated(&FieldExperiment::simulation(experiment, &centre)?)
-    }
+    let inputs = experiment.inputs();
+    let centre = inputs.point(&vec![0.0; inputs.n_normals()]);
+    plan.interpolated(&experiment.simulation::<f64>(&centre)?)
 }
 
 /// A scene on its grid; the same numbers give the same random inputs on every grid.
@@ -96,47 +89,16 @@ pub(super) fn on_grid<'a, const D: usize>(
     seed: u64,
     keep: Option<&'a dyn Keep>,
 ) -> Result<Level<'a>, Error> {
-    let (n_steps, centre, run) = if scene.random_fields.is_empty() {
-        of_parameters(scene, experiment, plan, seed, keep)?
-    } else {
-        of_fields(experiment, plan, seed, keep)?
-    };
-    let (cell, n_particles) = (scene.grid.cell, experiment.n_particles());
-    Ok(Level { cell, n_particles, n_steps, centre, run })
-}
-
-/// Number of steps, responses at the centre, and runs.
-type Begun<'a> = (usize, Vec<f64>, Sample<'a>);
-
-fn of_fields<'a, const D: usize>(
-    experiment: &'a SceneExperiment<D>,
-    plan: &Plan<D>,
-    seed: u64,
-    keep: Option<&'a dyn Keep>,
-) -> Result<Begun<'a>, Error> {
-    let study = FieldStudy::new(experiment, plan.clone(), keep)?;
-    let (n_steps, centre) = (study.schedule().n_steps(), study.centre().to_vec());
-    Ok((n_steps, centre, Box::new(move |k| study.run(&study.coefficients(seed, k)))))
-}
-
-fn of_parameters<'a, const D: usize>(
-    scene: &SmpmScene,
-    experiment: &'a SceneExperiment<D>,
-    plan: &Plan<D>,
-    seed: u64,
-    keep: Option<&'a dyn Keep>,
-) -> Result<Begun<'a>, Error> {
-    let inputs = inputs(scene)?;
+    let (inputs, plan) = (experiment.inputs(), plan.clone());
     let study = match keep {
-        Some(keep) => Study::kept_by(experiment, inputs, plan.clone(), keep)?,
-        None => Study::new(experiment, inputs, plan.clone())?,
+        Some(keep) => Study::kept_by(experiment, inputs, plan, keep)?,
+        None => Study::new(experiment, inputs, plan)?,
     };
-    let judge = MonteCarlo { seed, n_samples: 0 };
-    let (n_steps, centre) = (study.schedule().n_steps(), study.centre().to_vec());
-    Ok((n_steps, centre, Box::new(move |k| study.run(&judge.normals(k)))))
-}
-
-fn inputs(scene: &SmpmScene) -> Result<RandomVector<MOST_RANDOM>, Error> {
-    // The check of the scene has built them.
-    scene.inputs().map_err(|_| Error::EmptyPlan { what: "parameters" })
+    Ok(Level {
+        cell: scene.grid.cell,
+        n_particles: experiment.n_particles(),
+        n_steps: study.schedule().n_steps(),
+        centre: study.centre().to_vec(),
+        run: Box::new(move |realisation| study.run(&study.normals(seed, realisation))),
+    })
 }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use scene_runs::checkpoint::{Checkpoint, CheckpointError};
 use scene_runs::kind::{Inputs, Run, RunError};
 use scene_runs::scene::Objection;
-use smpm::uncertainty::FieldStudy;
+use smpm::uncertainty::Study;
 use smpm::{Error, Plan};
 use uq_estimators::{
     Bias, Block, BlockId, Error as SamplingError, Multilevel, MultilevelResult, Pair, Statistic,
@@ -62,7 +62,7 @@ fn solve_kept<const D: usize>(
     let cells = scene.cells(method)?;
     run.progress.stage("reference run");
     let of_scene = on_grid(scene, experiment, plan, method.seed, Some(kept))?;
-    let interpolated = for_coarser_grids(scene, experiment, plan)?;
+    let interpolated = for_coarser_grids(experiment, plan)?;
     let (coarser, _) = cells.split_at(cells.len() - 1);
     let coarse = coarser.iter().map(|&cell| scene.on_grid(cell)).collect::<Vec<_>>();
     let experiments = coarse
@@ -80,8 +80,8 @@ fn solve_kept<const D: usize>(
     run.progress.stage("pilot on each grid, then samples");
     let found = estimated(method, &targets, &grids, run, kept)?;
     if scene.fields && !scene.random_fields.is_empty() {
-        let study = FieldStudy::new(experiment, plan.clone(), None)?;
-        fields.of_realisation(&study, &vec![0.0; study.n_coefficients()], experiment)?;
+        let study = Study::new(experiment, experiment.inputs(), plan.clone())?;
+        fields.of_realisation(&study, &vec![0.0; study.n_normals()], experiment)?;
     }
     let n_steps = grids.levels.last().map_or(0, |level| level.n_steps);
     let runs_of = |pair: Pair| 1 + u64::from(pair.coarse.is_some());

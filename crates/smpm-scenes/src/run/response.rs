@@ -1,9 +1,9 @@
 //! Responses of a plan with their moments.
 
-use perturbation_moments::{Estimate, Moments, Uncertainty};
+use perturbation_moments::{Estimate, Uncertainty};
 use result_figures::number::short;
 use serde::Serialize;
-use smpm::uncertainty::{Exceedance, Sampled, Switch};
+use smpm::uncertainty::{Exceedance, Sampled, Series, Switch};
 use smpm::{Error, Plan, Window};
 
 use crate::scene::{RandomScene, SmpmScene};
@@ -231,28 +231,17 @@ impl<const D: usize> Table<'_, D> {
         self.scene.random.iter().zip(first.iter().zip(total)).map(of).collect()
     }
 
-    /// With the moments of a Taylor series.
-    pub(super) fn taylor<const N: usize>(
+    /// With the moments of a Taylor series. Its variance by curvature over that by slope is known with the distance to a switch:
+    /// where jets were carried through runs.
+    pub(super) fn taylor(
         &self,
         i: usize,
         response: Response,
-        moments: &Moments<N>,
+        series: &Series,
         switch: Option<&Switch>,
     ) -> Result<Response, Error> {
-        // Without curvature the mean is that of first order.
-        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
-        let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
-        self.series(i, response, (mean, moments.variance_first_order()), (curvature, switch))
-    }
-
-    /// With mean and variance of a Taylor series, its variance by curvature over that by slope, and the distance to a switch.
-    pub(super) fn series(
-        &self,
-        i: usize,
-        response: Response,
-        (mean, variance): (f64, f64),
-        (curvature, switch): (Option<f64>, Option<&Switch>),
-    ) -> Result<Response, Error> {
+        let (mean, variance) = (series.mean(), series.variance());
+        let curvature = switch.and_then(|_| series.curvature_ratio());
         let mut response = response.with_moments(mean, variance);
         response.trust = Some(Indicators {
             curvature_ratio: curvature.map(f64::sqrt),

@@ -1,7 +1,6 @@
 //! Samples of a scene: computed, from a checkpoint, from shards, or from blocks of ranks.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::PathBuf;
 
 use result_figures::number::with_uncertainty;
@@ -10,9 +9,11 @@ use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Cut, Inputs, Part, Run, RunError};
 use sde_integrators::Accumulator;
 use smpm::Plan;
-use smpm::uncertainty::{Design, Sampled};
+use smpm::uncertainty::{Design, Sampled, Study};
 
 use super::kept::KeptRuns;
+use super::solve::SolveError;
+use crate::experiment::SceneExperiment;
 use crate::scene::SmpmScene;
 
 /// Name of the samples in a checkpoint.
@@ -60,20 +61,11 @@ pub(super) enum Samples {
     Elsewhere,
 }
 
-/// Runs samples: as the `sampled_from` of a study.
-pub(super) type RunSamples<'a> = dyn Fn(Design, Range<u64>, &Responses, u64, &mut SeenSamples<'_>) -> Result<Sampled, RunError>
-    + Sync
-    + 'a;
-
-/// Is shown what has come so far, with the number of samples that were tried.
-pub(super) type SeenSamples<'a> = dyn FnMut(&Sampled, u64) -> Result<(), RunError> + 'a;
-
-/// What samples are of.
+/// The study whose samples are requested.
 pub(super) struct Requested<'a, const D: usize> {
     pub(super) scene: &'a SmpmScene,
-    pub(super) plan: &'a Plan<D>,
+    pub(super) study: &'a Study<'a, SceneExperiment<D>, D>,
     pub(super) design: Design,
-    pub(super) run_samples: &'a RunSamples<'a>,
 }
 
 /// All requested samples: computed, from a checkpoint, from shards, or from blocks of ranks.
@@ -83,13 +75,16 @@ pub(super) fn sampled<const D: usize>(
     kept: &KeptRuns<'_>,
     shards: Option<Responses>,
 ) -> Result<Samples, RunError> {
-    let Requested { scene, plan, design, run_samples } = *requested;
+    let Requested { scene, study, design } = *requested;
+    let plan = study.plan();
     let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
     let n_runs = design.n_runs().map_err(RunError::solver)?;
     let range = run.range(n_runs);
+    let none_seen = |_: &Sampled, _: u64| Ok::<(), SolveError>(());
     let joined = |known: Responses, seconds: f64| {
-        let all = run_samples(design, range.clone(), &known, each, &mut |_, _| Ok(()))?;
+        let all = study.sampled_from(design, range.clone(), &known, each, none_seen);
+        let all = all.map_err(SolveError::of_runs)?;
         Ok(Samples::All(all, seconds))
     };
     if let Some(shards) = shards {
@@ -102,7 +97,8 @@ pub(super) fn sampled<const D: usize>(
         let compute = |block: u64| {
             let (clock, none) = (CpuClock::start(), Responses::new());
             let range = blocks.range(block);
-            let of_block = run_samples(design, range, &none, each, &mut |_, _| Ok(()))?;
+            let of_block = study.sampled_from(design, range, &none, each, none_seen);
+            let of_block = of_block.map_err(SolveError::of_runs)?;
             let seconds = if is_here { 0.0 } else { clock.seconds() };
             Ok((of_block.responses(), seconds))
         };
@@ -123,15 +119,16 @@ pub(super) fn sampled<const D: usize>(
     let n = range.end - range.start;
     let pace = run.pace("samples");
     pace.at(range.clone().filter(|sample| known.contains_key(sample)).count() as f64 / n as f64)?;
-    let mut seen = |so_far: &Sampled, tried: u64| {
+    let seen = |so_far: &Sampled, tried: u64| {
         run.progress.at((tried, n), || words(plan, so_far.responses().values()));
         let allowed = pace.at(tried as f64 / n as f64);
         if tried == n || allowed.is_err() || checkpoint.is_due() {
-            keep(checkpoint, &known, so_far.responses())?;
+            keep(checkpoint, &known, so_far.responses()).map_err(RunError::from)?;
         }
-        Ok::<(), RunError>(allowed?)
+        Ok::<(), SolveError>(allowed.map_err(RunError::from)?)
     };
-    let sampled = run_samples(design, range.clone(), &known, each, &mut seen)?;
+    let sampled = study.sampled_from(design, range.clone(), &known, each, seen);
+    let sampled = sampled.map_err(SolveError::of_runs)?;
     Ok(match run.part() {
         Part::Shard(place) => {
             Samples::Shard(run.write_shard(inputs, *place, &sampled.responses())?)

@@ -2,25 +2,26 @@
 
 use std::path::PathBuf;
 
-use perturbation_moments::{Jet, Moments};
+use perturbation_moments::Jet;
 use scene_runs::checkpoint::Checkpoint;
 use scene_runs::kind::{Inputs, Part, Run, RunError};
 use scene_runs::scene::Objection;
-use smpm::uncertainty::{FrozenForm, Sampled, Study};
+use smpm::uncertainty::{FrozenForm, Sampled, Series, Study};
 use smpm::{Error, Plan, Simulation};
 
 use super::fields::Fields;
 use super::kept::KeptRuns;
 use super::multilevel_record::MultilevelRecord;
 use super::response::{Response, Table};
-use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, SeenSamples, sampled, shards};
+use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, sampled, shards};
 use crate::experiment::SceneExperiment;
 use crate::method_scene::MethodScene;
-use crate::reading::MOST_RANDOM;
 use crate::scene::SmpmScene;
 
 /// Keys that do not affect a run up to the first differing time, which the stored state records.
 const ASIDE: [&str; 3] = ["/title", "/levels", "/times"];
+/// Sample of random fields that is written for ParaView.
+const SHOWN: u64 = 0;
 /// Half width of a central difference that no scene sets, in standard deviations.
 pub(super) const DIFFERENCE: f64 = 0.1;
 
@@ -50,7 +51,7 @@ pub(super) struct Answer {
     pub(super) multilevel: Option<MultilevelRecord>,
 }
 
-/// Runs the method of a scene with random parameters.
+/// Runs the method of a scene whose parameters or fields are random.
 pub(super) fn solve<'a, const D: usize>(
     scene: &SmpmScene,
     experiment: &SceneExperiment<D>,
@@ -91,21 +92,20 @@ fn solve_kept<const D: usize>(
 ) -> Result<Solved, SolveError> {
     // A file that is no shard of this scene is rejected before any run.
     let shards = shards(scene, plan, run)?;
-    let inputs = scene.inputs()?;
     run.progress.stage("reference run");
-    let study = Study::kept_by(experiment, inputs, plan.clone(), kept)?;
+    let study = Study::kept_by(experiment, experiment.inputs(), plan.clone(), kept)?;
     let table = Table { scene, plan, centre: study.centre() };
     let (mut failures, mut n_runs, mut seconds_elsewhere) = (Vec::new(), 1, 0.0);
-    let differences = 2 * scene.random.len() as u64;
+    let has_fields = !scene.random_fields.is_empty();
+    // The fields of a scene are those of one realisation.
+    let mut shown = has_fields.then(|| vec![0.0; study.n_normals()]);
     let responses = if let Some(design) = scene.design() {
-        let control = scene.method.has_taylor_control();
-        n_runs += design.n_runs()? + if control { differences } else { 0 };
+        n_runs += design.n_runs()?;
+        if has_fields {
+            shown = Some(study.normals(design.seed(), SHOWN));
+        }
         run.progress.stage("samples");
-        let run_samples = |design, range, known: &_, each, seen: &mut SeenSamples<'_>| {
-            let mut seen = |so_far: &_, tried| Ok::<(), SolveError>(seen(so_far, tried)?);
-            study.sampled_from(design, range, known, each, &mut seen).map_err(SolveError::of_runs)
-        };
-        let requested = Requested { scene, plan, design, run_samples: &run_samples };
+        let requested = Requested { scene, study: &study, design };
         let sampled = match sampled(&requested, run, kept, shards)? {
             Samples::All(sampled, elsewhere) => {
                 seconds_elsewhere = elsewhere;
@@ -114,19 +114,27 @@ fn solve_kept<const D: usize>(
             Samples::Shard(file) => return Ok(Solved::Shard(file)),
             Samples::Elsewhere => return Ok(Solved::Elsewhere),
         };
-        let surrogates = if control {
+        let mut surrogates = Vec::new();
+        if scene.method.has_taylor_control() && has_fields {
+            run.progress.stage("runs with derivatives, for the control variate");
+            let propagated = study.propagated()?;
+            n_runs += propagated.n_runs as u64;
+            surrogates = propagated.moments;
+        } else if scene.method.has_taylor_control() {
             run.progress.stage("differences of whole runs, for the control variate");
-            study.finite_difference(DIFFERENCE)?
-        } else {
-            Vec::new()
-        };
+            n_runs += 2 * experiment.n_random() as u64;
+            surrogates = study.finite_difference(DIFFERENCE)?;
+        }
         failures = sampled.failures.iter().map(|(id, e)| (*id, e.to_string())).collect();
         of_samples(&table, &sampled, &surrogates)?
     } else {
-        let (responses, more_runs) = expanded(&study, &table, fields, run)?;
+        let (responses, more_runs) = expanded(&study, &table, experiment, fields, run)?;
         n_runs += more_runs;
         responses
     };
+    if let Some(normals) = shown {
+        fields.of_realisation(&study, &normals, experiment)?;
+    }
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
     let (notes, multilevel) = (Vec::new(), None);
@@ -138,7 +146,7 @@ fn solve_kept<const D: usize>(
 fn of_samples<const D: usize>(
     table: &Table<'_, D>,
     sampled: &Sampled,
-    surrogates: &[Moments<MOST_RANDOM>],
+    surrogates: &[Series],
 ) -> Result<Vec<Response>, Error> {
     let polynomial = match table.scene.method {
         MethodScene::QuasiMonteCarlo { control: true, .. } => Some(sampled.polynomial_control()?),
@@ -152,7 +160,7 @@ fn of_samples<const D: usize>(
                 shares = table.shares(&found.first, &found.total, Some(found.unexplained));
                 found.moments
             }
-            (None, Some(moments)) => sampled.controlled(i, moments)?,
+            (None, Some(series)) => sampled.controlled(i, series)?,
             (None, None) => sampled.raw(i)?,
         };
         let is_design = matches!(table.scene.method, MethodScene::SobolIndices { .. });
@@ -167,26 +175,33 @@ fn of_samples<const D: usize>(
 
 /// Responses by a method without samples, and its number of runs besides the reference run.
 fn expanded<const D: usize>(
-    study: &Study<'_, SceneExperiment<D>, D, MOST_RANDOM>,
+    study: &Study<'_, SceneExperiment<D>, D>,
     table: &Table<'_, D>,
+    experiment: &SceneExperiment<D>,
     fields: &mut Fields<'_>,
     run: &Run<'_>,
 ) -> Result<(Vec<Response>, u64), Error> {
+    let n = experiment.n_random() as u64;
+    let has_fields = !table.scene.random_fields.is_empty();
+    let of_series =
+        |series: Vec<Series>| table.each(|i, response| table.taylor(i, response, &series[i], None));
     Ok(match table.scene.method {
         MethodScene::Deterministic
         | MethodScene::MonteCarlo { .. }
         | MethodScene::QuasiMonteCarlo { .. }
         | MethodScene::SobolIndices { .. }
         | MethodScene::Multilevel(_) => {
-            fields.of_numbers(study)?;
+            if !has_fields {
+                fields.of_realisation(study, &vec![0.0; study.n_normals()], experiment)?;
+            }
             (table.each(|_, response| Ok(response))?, 0)
         }
         MethodScene::Frozen { as_printed } => {
             run.progress.stage("local formulas");
             let form = if as_printed { FrozenForm::Printed } else { FrozenForm::Corrected };
-            let moments = study.frozen(form)?;
-            let of = |i: usize, response| match &moments[i] {
-                Some(moments) => table.taylor(i, response, moments, None),
+            let series = study.frozen(form)?;
+            let of = |i: usize, response| match &series[i] {
+                Some(series) => table.taylor(i, response, series, None),
                 None => Ok(response),
             };
             (table.each(of)?, 1)
@@ -194,34 +209,32 @@ fn expanded<const D: usize>(
         MethodScene::Propagated => {
             run.progress.stage("run with derivatives");
             let propagated = study.propagated_seen(|time, run: &Simulation<Jet, D>| {
-                fields.of_jets(time, run, table.scene.random.len());
+                if !has_fields {
+                    fields.of_jets(time, run, table.scene.random.len());
+                }
             })?;
             fields.are_shown();
             let of = |i: usize, response| {
                 let switch = Some(&propagated.switches[i]);
                 table.taylor(i, response, &propagated.moments[i], switch)
             };
-            (table.each(of)?, 1)
+            (table.each(of)?, propagated.n_runs as u64)
         }
         MethodScene::FiniteDifference { step } => {
             run.progress.stage("differences of whole runs");
-            let moments = study.finite_difference(step)?;
-            let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
-            (table.each(of)?, 2 * table.scene.random.len() as u64)
+            (of_series(study.finite_difference(step)?)?, 2 * n)
         }
         MethodScene::ForwardDifference { step } => {
             run.progress.stage("one-sided differences of whole runs");
-            let moments = study.forward_difference(step)?;
-            let of = |i: usize, response| table.taylor(i, response, &moments[i], None);
-            (table.each(of)?, table.scene.random.len() as u64)
+            (of_series(study.forward_difference(step)?)?, n)
         }
         MethodScene::SigmaPoints => {
             run.progress.stage("sigma points");
             let points = study.sigma_points()?;
             let of = |i: usize, response: Response| {
-                Ok(response.with_moments(points[i].mean(), points[i].variance()))
+                Ok(response.with_moments(points[i].mean(), points[i].surrogate_variance()))
             };
-            (table.each(of)?, 2 * table.scene.random.len() as u64)
+            (table.each(of)?, 2 * n)
         }
     })
 }

@@ -59,15 +59,15 @@ pub(super) enum Normals {
 }
 
 impl Normals {
-    /// Those of a run; zero for the parameters beyond the dimension of a design.
-    pub(super) fn of<const N: usize>(&self, run: u64) -> [f64; N] {
+    /// Those of a run, so many; zero for the inputs beyond the dimension of a design.
+    pub(super) fn of(&self, run: u64, n: usize) -> Vec<f64> {
+        let mut normals = vec![0.0; n];
         match self {
-            Self::Random(judge) => judge.normals::<N>(run),
+            Self::Random(judge) => judge.fill_normals(run, &mut normals),
             Self::Designed(runs, dimension) => {
-                let mut normals = [0.0; N];
-                runs.normals(run, &mut normals[..(*dimension).min(N)]);
-                normals
+                runs.normals(run, &mut normals[..(*dimension).min(n)]);
             }
         }
+        normals
     }
 }

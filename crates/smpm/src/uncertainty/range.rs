@@ -1,8 +1,7 @@
 //! The chance that a random parameter leaves the range of its model.
 
-use perturbation_moments::RandomVector;
-
 use super::experiment::Experiment;
+use super::inputs::Inputs;
 use crate::error::Error;
 
 /// The largest chance, of one parameter by itself, that a sample cannot be run.
@@ -19,19 +18,14 @@ pub(super) fn upper_tail(u: f64) -> f64 {
     0.5 * libm::erfc(u * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Refuses laws under which a parameter is refused by the model too often. The model itself is asked: each parameter is moved
-/// out to 4.9 deviations on either side, the others at the centre.
-pub(super) fn check<const D: usize, const N: usize>(
-    experiment: &impl Experiment<D, N>,
-    inputs: &RandomVector<N>,
+/// Refuses distributions under which a parameter is refused by the model too often. The model itself is asked: each parameter is
+/// moved out to 4.9 deviations on either side, the others at the centre.
+pub(super) fn check<const D: usize>(
+    experiment: &impl Experiment<D>,
+    inputs: &dyn Inputs,
 ) -> Result<(), Error> {
-    let centre = inputs.centre();
-    for parameter in (0..N).filter(|&i| inputs.deviations()[i] > 0.0) {
-        let refused = |u: f64| {
-            let mut x = centre;
-            x[parameter] = inputs.quantiles(u)[parameter];
-            experiment.simulation(&x).err()
-        };
+    for parameter in 0..inputs.n_normals() {
+        let refused = |u: f64| experiment.simulation(&inputs.with_quantile(parameter, u)?).err();
         let (mut chance, mut reason) = (0.0, String::new());
         for side in [-1.0, 1.0] {
             let Some(error) = refused(side * FARTHEST) else { continue };

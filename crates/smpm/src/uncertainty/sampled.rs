@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use perturbation_moments::{Estimate, Moments, MonteCarlo};
+use perturbation_moments::{Estimate, MonteCarlo};
 use uq_estimators::{
     ControlledSamples, PolynomialControl, SampledMoments, SobolIndices, Surrogate,
 };
@@ -11,6 +11,7 @@ use uq_estimators::{
 use super::design::Design;
 use super::experiment::Experiment;
 use super::range::upper_tail;
+use super::series::Series;
 use super::study::Study;
 use crate::error::Error;
 use crate::parallel::map_in_order;
@@ -33,7 +34,7 @@ struct Sample {
     responses: Vec<f64>,
 }
 
-impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
+impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
     /// Runs independent samples, on all threads; the same for any number of them.
     ///
     /// # Errors
@@ -66,28 +67,14 @@ impl<X: Experiment<D, N>, const D: usize, const N: usize> Study<'_, X, D, N> {
         mut seen: impl FnMut(&Sampled, u64) -> Result<(), E>,
     ) -> Result<Sampled, E> {
         let normals = design.normals()?;
-        let run = |realisation| self.run(&normals.of::<N>(realisation));
-        Sampled::by(&run, design, (range, each), known, &mut seen)
-    }
-}
-
-impl Sampled {
-    /// Runs a range of samples, `each` at a time, but not those that are known.
-    pub(super) fn by<E>(
-        run: &(dyn Fn(u64) -> Result<Vec<f64>, Error> + Sync),
-        design: Design,
-        (range, each): (Range<u64>, u64),
-        known: &BTreeMap<u64, Vec<f64>>,
-        seen: &mut dyn FnMut(&Self, u64) -> Result<(), E>,
-    ) -> Result<Self, E> {
         let run = |&realisation: &u64| {
             let responses = match known.get(&realisation) {
-                Some(responses) => Ok(responses.clone()),
-                None => run(realisation),
+                Some(responses) => responses.clone(),
+                None => self.run(&normals.of(realisation, self.n_normals()))?,
             };
-            responses.map(|responses| Sample { realisation, responses })
+            Ok(Sample { realisation, responses })
         };
-        let mut sampled = Self { design, samples: vec![], failures: vec![] };
+        let mut sampled = Sampled { design, samples: vec![], failures: vec![] };
         let mut from = range.start;
         while from < range.end {
             let end = range.end.min(from.saturating_add(each.max(1)));
@@ -105,7 +92,9 @@ impl Sampled {
         }
         Ok(sampled)
     }
+}
 
+impl Sampled {
     /// How many samples could be run.
     #[must_use]
     pub fn n_samples(&self) -> usize {
@@ -158,28 +147,16 @@ impl Sampled {
     ///
     /// # Errors
     /// As [`raw`](Self::raw).
-    pub fn controlled<const N: usize>(
-        &self,
-        response: usize,
-        surrogate: &Moments<N>,
-    ) -> Result<SampledMoments, Error> {
-        let (mean, variance) = (surrogate.surrogate_mean(), surrogate.surrogate_variance());
+    pub fn controlled(&self, response: usize, series: &Series) -> Result<SampledMoments, Error> {
         let normals = self.design.normals()?;
-        let of = |realisation| surrogate.surrogate(&normals.of(realisation));
-        self.controlled_by(response, (mean, variance), &of)
-    }
-
-    /// The same by a surrogate of known mean and variance, as a function of the number of a sample.
-    pub(super) fn controlled_by(
-        &self,
-        response: usize,
-        (mean, variance): (f64, f64),
-        surrogate: &dyn Fn(u64) -> f64,
-    ) -> Result<SampledMoments, Error> {
         let values = self.values(response)?;
-        let pair = |(y, sample): (&f64, &Sample)| [*y, surrogate(sample.realisation)];
+        let n = series.gradient.len();
+        let pair = |(y, sample): (&f64, &Sample)| {
+            [*y, series.surrogate(&normals.of(sample.realisation, n))]
+        };
         let pairs: Vec<[f64; 2]> = values.iter().zip(&self.samples).map(pair).collect();
-        let surrogates = &[Surrogate { mean, variance: Some(variance) }];
+        let (mean, variance) = (series.mean(), Some(series.surrogate_variance()));
+        let surrogates = &[Surrogate { mean, variance }];
         let samples = pairs.as_flattened();
         match self.design {
             Design::Random(judge) => {
@@ -293,17 +270,8 @@ pub struct Exceedance {
 }
 
 impl Exceedance {
-    /// By the second-order mean, the first-order one where curvature is unknown, and the first-order variance. How far the
-    /// response is from normal it does not know: see [`Moments::trust`].
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for the level.
-    pub fn by_normal_law<const N: usize>(moments: &Moments<N>, level: f64) -> Result<Self, Error> {
-        let mean = moments.mean_second_order().unwrap_or_else(|_| moments.mean_first_order());
-        Self::of_normal((mean, moments.variance_first_order()), level)
-    }
-
-    /// Of a normal response with this mean and variance.
+    /// Of a normal response with this mean and variance. How far the response is from normal it does not know: see
+    /// [`Series::curvature_ratio`].
     ///
     /// # Errors
     /// [`Error::Parameter`] for the level.

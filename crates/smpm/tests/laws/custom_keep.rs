@@ -8,7 +8,7 @@ use perturbation_moments::RandomVector;
 use smpm::material::{
     JohnsonCook, JohnsonCookParameters, MieGruneisen, MieGruneisenParameters, Solid, Units, library,
 };
-use smpm::uncertainty::{Experiment, FrozenForm, Keep, Standing, Study};
+use smpm::uncertainty::{Experiment, FrozenForm, Keep, Standing, Study, exactly};
 use smpm::{
     Body, Boundary, BoundaryKind, Config, Error, Fill, Gauge, Number, Place, Plan, Quantity, Side,
     Simulation, Window,
@@ -68,9 +68,9 @@ impl Keep for Mortal {
 #[derive(Debug)]
 struct Yielding;
 
-impl Experiment<1, 9> for Yielding {
-    fn simulation<S: Number>(&self, x: &[S; 9]) -> Result<Simulation<S, 1>, Error> {
-        let [sound_speed, s1, gruneisen, gruneisen_slope, a, b, n, c, m] = *x;
+impl Experiment<1> for Yielding {
+    fn simulation<S: Number>(&self, x: &[S]) -> Result<Simulation<S, 1>, Error> {
+        let [sound_speed, s1, gruneisen, gruneisen_slope, a, b, n, c, m] = exactly(x)?;
         let constant = |_: &'static str, value| S::constant(value);
         let equation = library::steel_equation(Units::CM_G_US).map(constant);
         let equation =
@@ -129,7 +129,7 @@ fn plan(windows: Vec<Window>) -> Plan<1> {
     }
 }
 
-type Method<'a, R> = &'a dyn Fn(&Study<'_, Yielding, 1, 9>) -> Result<R, Error>;
+type Method<'a, R> = &'a dyn Fn(&Study<'_, Yielding, 1>) -> Result<R, Error>;
 
 fn run<R>(method: Method<'_, R>, windows: Vec<Window>, keep: &Mortal) -> Result<R, Error> {
     method(&Study::kept_by(&Yielding, inputs(), plan(windows), keep)?)
@@ -175,7 +175,7 @@ fn what_is_shown_of_a_run_in_several_lives_is_all_of_it() {
     let look = |time: f64, simulation: &Simulation<f64, 1>| {
         seen.lock().unwrap().push((time, simulation.bodies()[0].velocities().to_vec()));
     };
-    let method = |study: &Study<'_, Yielding, 1, 9>| study.mean_run_seen(look);
+    let method = |study: &Study<'_, Yielding, 1>| study.run_seen(&[0.0; 9], look);
     method(&Study::new(&Yielding, inputs(), plan(windows())).unwrap()).unwrap();
     let whole = std::mem::take(&mut *seen.lock().unwrap());
     assert_eq!(whole.iter().map(|(time, _)| *time).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);

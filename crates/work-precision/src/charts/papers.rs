@@ -72,7 +72,7 @@ fn row(solved: &Solved, printed: PrintedRow, time: f64) -> Result<Row, CaseError
     let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     for other in TIMES {
         let response = solved.response(printed.table, &printed.gauge, other)?;
-        for (ends, (value, _)) in range.iter_mut().zip(by_series(&solved.frozen[response])?) {
+        for (ends, (value, _)) in range.iter_mut().zip(by_series(&solved.frozen[response])) {
             *ends = [ends[0].min(value), ends[1].max(value)];
         }
     }
@@ -82,8 +82,8 @@ fn row(solved: &Solved, printed: PrintedRow, time: f64) -> Result<Row, CaseError
         coefficient_of_variation: printed.coefficient_of_variation,
         printed_method: printed.method,
         printed_monte_carlo: printed.monte_carlo,
-        frozen: by_series(&solved.frozen[response])?,
-        propagated: by_series(&solved.propagated[response])?,
+        frozen: by_series(&solved.frozen[response]),
+        propagated: by_series(&solved.propagated[response]),
         sampled: solved.by_samples(response)?,
         range,
     })

@@ -61,8 +61,8 @@ fn figure_of_chen(
         let (mut run, mut frozen, mut samples) = (Vec::new(), Vec::new(), Vec::new());
         for &t in times {
             let response = solved.response(table, gauge, t)?;
-            run.push((t, Some(factor * by_series(&solved.propagated[response])?[moment].0)));
-            frozen.push((t, Some(factor * by_series(&solved.frozen[response])?[moment].0)));
+            run.push((t, Some(factor * by_series(&solved.propagated[response])[moment].0)));
+            frozen.push((t, Some(factor * by_series(&solved.frozen[response])[moment].0)));
             let (value, error) = solved.by_samples(response)?[moment];
             samples.push(ReferencePoint { x: t, y: factor * value, error: Some(factor * error) });
         }

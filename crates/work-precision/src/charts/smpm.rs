@@ -1,13 +1,14 @@
 //! Error of the variance against CPU time: five methods on a plane shock and on an explosion.
 
-use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
+use perturbation_moments::MonteCarlo;
+
 use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::SmpmScene;
-use smpm::uncertainty::{FrozenForm, FrozenMoments, Study};
+use smpm::uncertainty::{FrozenForm, Series, Study};
 use uq_estimators::{ControlledSamples, SampledMoments, Surrogate};
 
 use super::cost::{LONG, cost_in_seconds, group_thousands, outcome, table, timed};
@@ -154,7 +155,7 @@ struct Single {
 struct Solved {
     singles: Vec<Single>,
     /// Taylor moments from differences: the control variate.
-    surrogate: Vec<Moments<MOST_RANDOM>>,
+    surrogate: Vec<Series>,
     /// Normals and responses of the successful samples.
     samples: Vec<([f64; MOST_RANDOM], Vec<f64>)>,
     n_failed: usize,
@@ -181,17 +182,14 @@ impl Solved {
             cost
         };
         let of_frozen = |form| {
-            let variance = |moments: &FrozenMoments<MOST_RANDOM>| {
-                moments.map_or(f64::NAN, |moments| moments.variance_first_order())
-            };
+            let variance =
+                |series: &Option<Series>| series.as_ref().map_or(f64::NAN, Series::variance);
             timed(LONG, || Ok(study.frozen(form)?.iter().map(variance).collect()))
         };
         add("frozen, as printed", of_frozen(FrozenForm::Printed)?);
         add("frozen, corrected", of_frozen(FrozenForm::Corrected)?);
         let (propagated, jets, spread) = timed(LONG, || Ok(study.propagated()?.moments))?;
-        let first_order = |moments: &[Moments<MOST_RANDOM>]| {
-            moments.iter().map(Moments::variance_first_order).collect()
-        };
+        let first_order = |moments: &[Series]| moments.iter().map(Series::variance).collect();
         add("propagated, by jets", (first_order(&propagated), jets, spread));
         let (surrogate, differences, spread) =
             timed(LONG, || Ok(study.finite_difference(DIFFERENCE)?))?;
@@ -199,7 +197,9 @@ impl Solved {
         add("finite differences, 2N + 1 runs", (variances, differences, spread));
         add(
             "sigma points, 2N + 1 runs",
-            timed(LONG, || Ok(study.sigma_points()?.iter().map(SigmaPoints::variance).collect()))?,
+            timed(LONG, || {
+                Ok(study.sigma_points()?.iter().map(Series::surrogate_variance).collect())
+            })?,
         );
         add(
             "one-sided differences, N + 1 runs",
@@ -247,7 +247,7 @@ impl Solved {
         let controlled = ControlledSamples {
             samples: pairs.as_flattened(),
             surrogates: &[Surrogate {
-                mean: surrogate.surrogate_mean(),
+                mean: surrogate.mean(),
                 variance: Some(surrogate.surrogate_variance()),
             }],
             seed: SEEDS[0],

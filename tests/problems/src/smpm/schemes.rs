@@ -1,10 +1,8 @@
 //! Schemes of a step by name, and what two problems show of them: a plane shock in steel, an explosion.
 
-use perturbation_moments::Moments;
 use smpm::Simulation;
-use smpm::uncertainty::{Experiment, Study};
+use smpm::uncertainty::{Experiment, Series, Study};
 use smpm_scenes::experiment::SceneExperiment;
-use smpm_scenes::reading::MOST_RANDOM;
 use smpm_scenes::scene::{
     SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
 };
@@ -127,9 +125,7 @@ impl Shock {
         let experiment = experiment::<1>(scene)?;
         let study = Study::new(&experiment, scene.inputs()?, scene.plan::<1>()?)?;
         let deviation = scene.random[0].coefficient_of_variation * Self::STEEL[2];
-        let ratio = |moments: &Moments<MOST_RANDOM>| {
-            moments.slopes()[0] / (deviation * self.pressure_by_slope())
-        };
+        let ratio = |moments: &Series| moments.gradient[0] / (deviation * self.pressure_by_slope());
         let moments = study.propagated()?.moments;
         Ok([ratio(&moments[0]), ratio(&moments[1])])
     }

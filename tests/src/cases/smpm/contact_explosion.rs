@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use perturbation_moments::{Moments, MonteCarlo};
+use perturbation_moments::MonteCarlo;
 use reference_problems::quantile::quantile;
 use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::reading::MOST_RANDOM;
-use smpm::uncertainty::{FrozenForm, FrozenMoments, Propagated, Sampled, Study};
+use smpm::uncertainty::{FrozenForm, Propagated, Sampled, Series, Study};
 use smpm::{Plan, Quantity};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -44,8 +43,8 @@ const LAST_SMOOTH: f64 = 12.0;
 /// A problem with its law, solved by jets, by the frozen formulas and by sampling.
 pub(crate) struct Solved {
     pub(crate) plan: Plan<2>,
-    pub(crate) propagated: Propagated<MOST_RANDOM>,
-    pub(crate) frozen: Vec<FrozenMoments<MOST_RANDOM>>,
+    pub(crate) propagated: Propagated,
+    pub(crate) frozen: Vec<Option<Series>>,
     pub(crate) sampled: Sampled,
 }
 
@@ -54,7 +53,7 @@ fn study(
     experiment: &SceneExperiment<2>,
     problem: Problem,
     coefficient_of_variation: f64,
-) -> Result<Study<'_, SceneExperiment<2>, 2, MOST_RANDOM>, CaseError> {
+) -> Result<Study<'_, SceneExperiment<2>, 2>, CaseError> {
     let scene = problem.scene_with(coefficient_of_variation, &TIMES)?;
     let (inputs, plan) = (scene.inputs()?, scene.plan::<2>()?);
     Ok(Study::new(experiment, inputs, plan)?)
@@ -115,7 +114,7 @@ fn differences(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// The largest distance of two gradients of a response while it is smooth, over the largest of its quantity.
-fn farthest<const N: usize>(plan: &Plan<2>, a: &[Moments<N>], b: &[Moments<N>]) -> Worst {
+fn farthest(plan: &Plan<2>, a: &[Series], b: &[Series]) -> Worst {
     let mut worst = Worst::of_errors();
     for (q, quantity) in plan.quantities.iter().enumerate() {
         let scale = largest(plan, q, b);
@@ -123,7 +122,7 @@ fn farthest<const N: usize>(plan: &Plan<2>, a: &[Moments<N>], b: &[Moments<N>]) 
             let (_, of, window) = plan.parts(response);
             if of == q && plan.windows[window].to <= LAST_SMOOTH {
                 let apart: f64 =
-                    a.slopes().iter().zip(b.slopes()).map(|(a, b)| (a - b).powi(2)).sum();
+                    a.gradient.iter().zip(&b.gradient).map(|(a, b)| (a - b).powi(2)).sum();
                 worst.take(apart.sqrt() / scale, &quantity.to_string());
             }
         }
@@ -132,9 +131,9 @@ fn farthest<const N: usize>(plan: &Plan<2>, a: &[Moments<N>], b: &[Moments<N>]) 
 }
 
 /// The largest gradient of a quantity at any gauge and time.
-fn largest<const N: usize>(plan: &Plan<2>, quantity: usize, moments: &[Moments<N>]) -> f64 {
+fn largest(plan: &Plan<2>, quantity: usize, moments: &[Series]) -> f64 {
     let of = moments.iter().enumerate().filter(|(i, _)| plan.parts(*i).1 == quantity);
-    of.map(|(_, moments)| moments.variance_first_order().sqrt()).fold(0.0, f64::max)
+    of.map(|(_, moments)| moments.variance().sqrt()).fold(0.0, f64::max)
 }
 
 /// Relative errors of mean and variance against the samples, of responses that are asked for.
@@ -166,12 +165,12 @@ fn errors(
         }
         let truth = sampled.controlled(response, moments)?;
         let (mean, variance) = (truth.mean.value, truth.variance.value);
-        errors.mean.push((moments.mean_second_order()? / mean - 1.0).abs());
-        errors.variance.push((moments.variance_first_order() / variance - 1.0).abs());
+        errors.mean.push((moments.mean() / mean - 1.0).abs());
+        errors.variance.push((moments.variance() / variance - 1.0).abs());
         let error = truth.variance.standard_error().unwrap_or(f64::NAN);
         errors.standard_error.push(error / variance);
         if let Some(frozen) = &frozen[response] {
-            errors.frozen_variance.push((frozen.variance_first_order() / variance - 1.0).abs());
+            errors.frozen_variance.push((frozen.variance() / variance - 1.0).abs());
         }
     }
     Ok(errors)

@@ -1,7 +1,6 @@
 //! A plane shock: its state and the variance of its pressure, exact by the Hugoniot.
 
 use reference_problems::smpm::problems::{Problem, experiment};
-use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
 use smpm::uncertainty::{FrozenForm, Study};
 
@@ -101,14 +100,12 @@ fn errors_of_best(particle_velocity: f64) -> Result<[f64; 5], CaseError> {
     let experiment = experiment::<1>(&scene)?;
     let study = Study::new(&experiment, scene.inputs()?, scene.plan::<1>()?)?;
     let density = DENSITY * shock / (shock - particle_velocity);
-    let share = |moments: &perturbation_moments::Moments<MOST_RANDOM>| {
-        moments.importance_factors().map(|share| share[0] * moments.variance_first_order())
-    };
     let deviation = 0.05 * SLOPE;
     let exact = DENSITY * particle_velocity * particle_velocity;
-    let slope = share(&study.propagated()?.moments[0])?.sqrt() / deviation;
-    let frozen = study.frozen(FrozenForm::Corrected)?[0].ok_or("no frozen moments")?;
-    let frozen = share(&frozen)?.sqrt() / deviation / exact;
+    let slope = study.propagated()?.moments[0].gradient[0].abs() / deviation;
+    let frozen = study.frozen(FrozenForm::Corrected)?;
+    let frozen = frozen[0].as_ref().ok_or("no frozen moments")?.gradient[0].abs();
+    let frozen = frozen / deviation / exact;
     Ok([
         study.centre()[0] / pressure - 1.0,
         study.centre()[2] / density - 1.0,
@@ -156,8 +153,7 @@ fn errors_of_default(particle_velocity: f64) -> Result<[f64; 2], CaseError> {
     let (_, pressure) = hugoniot(particle_velocity);
     let experiment = experiment::<1>(&scene)?;
     let study = Study::new(&experiment, scene.inputs()?, scene.plan::<1>()?)?;
-    let moments = study.propagated()?.moments[0];
-    let slope = (moments.importance_factors()?[0] * moments.variance_first_order()).sqrt();
+    let slope = study.propagated()?.moments[0].gradient[0].abs();
     let exact = DENSITY * particle_velocity * particle_velocity;
     Ok([study.centre()[0] / pressure - 1.0, slope / (0.05 * SLOPE) / exact - 1.0])
 }

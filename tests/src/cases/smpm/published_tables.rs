@@ -65,8 +65,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             .ok_or("a coefficient of variation that was not solved")?;
         let response = solved.response(printed.table, &printed.gauge, time)?;
         rows.push(Row {
-            frozen: by_series(&solved.frozen[response])?,
-            propagated: by_series(&solved.propagated[response])?,
+            frozen: by_series(&solved.frozen[response]),
+            propagated: by_series(&solved.propagated[response]),
             sampled: solved.by_samples(response)?,
             printed,
         });
@@ -247,7 +247,7 @@ fn yield_surface(context: &Context<'_>, solved: &[(f64, Solved)]) -> Result<Clai
             for time in TIMES {
                 let centre = |table| -> Result<f64, CaseError> {
                     let response = solved.response(table, &gauge.name, time)?;
-                    Ok(solved.propagated[response].mean_first_order())
+                    Ok(solved.propagated[response].value)
                 };
                 largest = largest.max(centre(1)?.abs() / centre(0)?);
             }

@@ -1,14 +1,12 @@
 //! Constants that vary in space: a column under its weight against its integral, a plate beside an explosion and a Taylor bar by the
 //! gradient of all terms against sampled runs.
 
-use std::collections::BTreeMap;
-
 use perturbation_moments::{Estimate, MonteCarlo};
 use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::experiment::SceneExperiment;
 use scenes::smpm::scene::SmpmScene;
-use smpm::uncertainty::{FieldMoments, FieldStudy, Sampled};
-use smpm::{Error, Plan};
+use smpm::Plan;
+use smpm::uncertainty::{Sampled, Series, Study};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
@@ -45,13 +43,10 @@ const SEED: u64 = 2026;
 
 /// Samples of a study, controlled or not by the caller.
 fn samples<const D: usize>(
-    study: &FieldStudy<'_, SceneExperiment<D>, D>,
+    study: &Study<'_, SceneExperiment<D>, D>,
     n_samples: u64,
 ) -> Result<Sampled, CaseError> {
-    let judge = MonteCarlo { seed: SEED, n_samples };
-    let none = BTreeMap::new();
-    let sampled = study
-        .monte_carlo_from(judge, 0..n_samples, &none, n_samples, |_, _| Ok::<(), Error>(()))?;
+    let sampled = study.monte_carlo(MonteCarlo { seed: SEED, n_samples })?;
     if let Some((_, error)) = sampled.failures.first() {
         return Err(error.clone().into());
     }
@@ -109,9 +104,9 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let scene = Problem::RandomColumn.scene()?;
     let experiment = experiment::<1>(&scene)?;
     let plan = scene.plan::<1>()?;
-    let study = FieldStudy::new(&experiment, plan, None)?;
+    let study = Study::new(&experiment, experiment.inputs(), plan)?;
     context.progress("derivatives");
-    let gradient = study.gradient()?;
+    let gradient = study.propagated()?;
     let n_samples = if context.profile == Profile::Full { 1600 } else { 400 };
     let sampled = samples(&study, n_samples)?;
     let (lines, mut claims) = (|method| Lines { context, id: "", method }, Vec::new());
@@ -121,7 +116,7 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let response = study.plan().index(g, 0, 1);
         let [mean, variance, first_order] = column_moments(&SCENE_COLUMN, start);
         let series = &gradient.moments[response];
-        let found = sampled.controlled_by_fields(response, series)?;
+        let found = sampled.controlled(response, series)?;
         let method = format!(
             "{n_samples} samples, Taylor series of {} terms as control variate",
             series.gradient.len()
@@ -152,7 +147,7 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             0.005,
             "80 particles and terms left out",
         ));
-        let coarse = study.run(&study.coefficients(SEED, 0))?[response] - start;
+        let coarse = study.run(&study.normals(SEED, 0))?[response] - start;
         claims.push(lines("80 particles against 160, one realisation".to_owned()).relative(
             (
                 &format!("two-grids/{gauge}"),
@@ -173,8 +168,8 @@ fn refined_column(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
     let mut scene = scene.clone();
     scene.grid.cell *= 0.5;
     let experiment = experiment::<1>(&scene)?;
-    let study = FieldStudy::new(&experiment, scene.plan::<1>()?, None)?;
-    Ok(study.run(&study.coefficients(SEED, 0))?)
+    let study = Study::new(&experiment, experiment.inputs(), scene.plan::<1>()?)?;
+    Ok(study.run(&study.normals(SEED, 0))?)
 }
 
 /// A response by gradient and by samples.
@@ -187,12 +182,8 @@ struct Compared {
     deviation: f64,
 }
 
-fn compared(
-    sampled: &Sampled,
-    response: usize,
-    series: &FieldMoments,
-) -> Result<Compared, CaseError> {
-    let found = sampled.controlled_by_fields(response, series)?;
+fn compared(sampled: &Sampled, response: usize, series: &Series) -> Result<Compared, CaseError> {
+    let found = sampled.controlled(response, series)?;
     let deviation = found.variance.value.sqrt();
     Ok(Compared {
         variance: [
@@ -220,9 +211,9 @@ fn response_of<const D: usize>(
 fn plate(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let scene = Problem::RandomPlate.scene()?;
     let experiment = experiment::<2>(&scene)?;
-    let study = FieldStudy::new(&experiment, scene.plan::<2>()?, None)?;
+    let study = Study::new(&experiment, experiment.inputs(), scene.plan::<2>()?)?;
     context.progress("derivatives");
-    let gradient = study.gradient()?;
+    let gradient = study.propagated()?;
     let n_samples = if context.profile == Profile::Full { 1000 } else { 250 };
     context.progress("samples");
     let sampled = samples(&study, n_samples)?;
@@ -257,9 +248,9 @@ fn plate(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 fn taylor_bar(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let scene = Problem::RandomTaylorBar.scene()?;
     let experiment = experiment::<2>(&scene)?;
-    let study = FieldStudy::new(&experiment, scene.plan::<2>()?, None)?;
+    let study = Study::new(&experiment, experiment.inputs(), scene.plan::<2>()?)?;
     context.progress("derivatives");
-    let gradient = study.gradient()?;
+    let gradient = study.propagated()?;
     let n_samples = if context.profile == Profile::Full { 400 } else { 100 };
     context.progress("samples");
     let sampled = samples(&study, n_samples)?;

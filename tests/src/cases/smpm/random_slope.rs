@@ -7,7 +7,7 @@ use reference_problems::smpm::problems::{Problem, experiment};
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Estimate, normal_probability};
 use serde::Deserialize;
-use smpm::uncertainty::FieldStudy;
+use smpm::uncertainty::Study;
 use uq_estimators::{
     Bias, Failure, Levels, Multilevel, MultilevelResult, Statistic, Target, Tolerance,
 };
@@ -363,7 +363,7 @@ fn verdicts(context: &Context<'_>) -> Result<Claim, CaseError> {
     let scene = Problem::RandomSlope.scene()?;
     let level = scene.levels["position_1"][0];
     let held = experiment::<2>(&scene)?;
-    let study = FieldStudy::new(&held, scene.plan::<2>()?, None)?;
+    let study = Study::new(&held, held.inputs(), scene.plan::<2>()?)?;
     let last = study.plan().index(0, 0, scene.times.len() - 1);
     let sliding = Realisations::new(Setup { rate: FINE.rate, ..COARSE }, SEED)?;
     let mut n_apart = 0;

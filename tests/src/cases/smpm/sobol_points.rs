@@ -2,7 +2,6 @@
 
 use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::reading::MOST_RANDOM;
 use smpm::Plan;
 use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Estimate, PolynomialMoments, Sampling, SobolIndices, UnitCube};
@@ -36,7 +35,7 @@ fn cube(n_points: u64, seed: u64) -> UnitCube {
 
 /// Polynomials of each response at Sobol' points.
 fn fitted(
-    study: &Study<'_, SceneExperiment<2>, 2, MOST_RANDOM>,
+    study: &Study<'_, SceneExperiment<2>, 2>,
     cube: UnitCube,
 ) -> Result<Vec<PolynomialMoments>, CaseError> {
     let sampled = study.sampled(Design::QuasiRandom(cube))?;

@@ -41,13 +41,12 @@ fn judged(context: &Context<'_>) -> Result<Vec<Judged>, CaseError> {
     for (problem, cv) in runs {
         let solved = solved(context, problem, cv)?;
         for (response, moments) in solved.propagated.moments.iter().enumerate() {
-            let Ok(trust) = moments.trust() else { continue };
-            let Some(curvature) = trust.curvature_ratio else { continue };
+            let Some(ratio) = moments.curvature_ratio() else { continue };
             let truth = solved.sampled.controlled(response, moments)?.variance.value;
             all.push(Judged {
-                ratio: curvature.sqrt(),
+                ratio: ratio.sqrt(),
                 switch: solved.propagated.switches[response].at_end,
-                error: (moments.variance_first_order() / truth - 1.0).abs(),
+                error: (moments.variance() / truth - 1.0).abs(),
             });
         }
     }

@@ -74,7 +74,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             let response = study.plan().index(gauge, q, 0);
             let moments = &propagated.moments[response];
             let truth = sampled.controlled(response, moments)?.variance;
-            let error = (moments.variance_first_order() / truth.value).sqrt() - 1.0;
+            let error = (moments.variance() / truth.value).sqrt() - 1.0;
             errors.push(error.abs());
             if propagated.switches[response].at_end > Switch::LIMIT {
                 worst.take(error, &study.plan().gauges[gauge].name);

@@ -3,7 +3,6 @@
 use perturbation_moments::MonteCarlo;
 use result_figures::{Drawing, Words};
 use scenes::smpm::experiment::SceneExperiment;
-use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Sampling, UnitCube};
@@ -80,7 +79,7 @@ fn explosion(context: &Context<'_>) -> Result<Drawing, CaseError> {
 
 /// A study with the reference variance of each response.
 struct Compared<'a, const D: usize> {
-    study: Study<'a, SceneExperiment<D>, D, MOST_RANDOM>,
+    study: Study<'a, SceneExperiment<D>, D>,
     dimension: usize,
     truth: Vec<f64>,
 }

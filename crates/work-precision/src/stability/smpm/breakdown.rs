@@ -1,11 +1,10 @@
 //! Limits of Taylor series: coefficient of variation, first yield, arrival of a shock.
 
-use perturbation_moments::{Moments, MonteCarlo, SigmaPoints};
+use perturbation_moments::MonteCarlo;
 use result_figures::{Drawing, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
-use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{GaugeScene, LawScene, SmpmScene};
 use smpm::Error;
-use smpm::uncertainty::{FrozenForm, FrozenMoments, Study, Switch};
+use smpm::uncertainty::{FrozenForm, Series, Study, Switch};
 
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::smpm::problems::{Problem, experiment};
@@ -153,27 +152,26 @@ impl Judged {
         let against = |variances: Vec<f64>| -> Vec<f64> {
             variances.iter().zip(&variance).map(|(found, truth)| found / truth - 1.0).collect()
         };
-        let taylor = |moments: &[Moments<MOST_RANDOM>]| {
-            moments.iter().map(Moments::variance_first_order).collect()
-        };
+        let taylor = |moments: &[Series]| moments.iter().map(Series::variance).collect();
         let judged = |variances: Result<Vec<f64>, Error>| {
             variances.map(against).map_err(|error| error.to_string())
         };
         let frozen = study.frozen(FrozenForm::Corrected).map(|all| {
-            let of = |moments: &FrozenMoments<MOST_RANDOM>| {
-                moments.map_or(f64::NAN, |moments| moments.variance_first_order())
-            };
+            let of = |series: &Option<Series>| series.as_ref().map_or(f64::NAN, Series::variance);
             all.iter().map(of).collect()
         });
         let errors = vec![
             judged(frozen),
             judged(Ok(taylor(&propagated.moments))),
             judged(study.finite_difference(DIFFERENCE).map(|moments| taylor(&moments))),
-            judged(study.sigma_points().map(|all| all.iter().map(SigmaPoints::variance).collect())),
+            judged(
+                study
+                    .sigma_points()
+                    .map(|all| all.iter().map(Series::surrogate_variance).collect()),
+            ),
         ];
-        let indicator = |(moments, switch): (&Moments<MOST_RANDOM>, &Switch)| {
-            let curvature = moments.trust().ok().and_then(|trust| trust.curvature_ratio);
-            (curvature.map_or(f64::NAN, f64::sqrt), switch.at_end)
+        let indicator = |(series, switch): (&Series, &Switch)| {
+            (series.curvature_ratio().map_or(f64::NAN, f64::sqrt), switch.at_end)
         };
         let indicators = propagated.moments.iter().zip(&propagated.switches).map(indicator);
         Ok(Self {

@@ -8,7 +8,7 @@ use scenes::smpm::method_scene::MethodScene;
 use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Simulation;
-use smpm::uncertainty::{Experiment, FieldExperiment};
+use smpm::uncertainty::Experiment;
 
 use super::factor::Slide;
 use crate::case::CaseError;
@@ -149,7 +149,7 @@ impl Realisations {
 
     /// The coefficients of a realisation: the same field by every setup.
     pub(super) fn coefficients(&self, realisation: u64) -> Vec<f64> {
-        let mut normals = vec![0.0; self.experiment.n_coefficients()];
+        let mut normals = vec![0.0; self.experiment.inputs().n_normals()];
         self.normals.fill_normals(realisation, &mut normals);
         normals
     }
@@ -157,7 +157,7 @@ impl Realisations {
     /// The factor of a realisation.
     pub(super) fn factor(&self, realisation: u64) -> Result<f64, CaseError> {
         let coefficients = self.coefficients(realisation);
-        let mut run = FieldExperiment::simulation::<f64>(&self.experiment, &coefficients)?;
+        let mut run = Experiment::simulation::<f64>(&self.experiment, &coefficients)?;
         self.setup.factor_of(&mut run)
     }
 }

@@ -9,7 +9,7 @@ use super::scene_load::{LoadingScene, RegionScene, StrainScene};
 
 /// Nodes with prescribed displacements, and nodes whose bonds do not break.
 #[derive(Debug)]
-pub(super) struct Held {
+pub(super) struct Constraints {
     supports: Vec<(Vec<usize>, [bool; 2])>,
     moved: Moved,
     /// Nodes at which the load is measured, and its component.
@@ -60,7 +60,7 @@ impl LoadEnd {
     }
 }
 
-impl Held {
+impl Constraints {
     pub(super) fn of(scene: &CrackScene, nodes: &Nodes<2>) -> Result<Self, Objection> {
         let mut protected = Vec::new();
         let mut within = |region: &RegionScene, path: &str, distance: f64| {

@@ -11,14 +11,14 @@ use super::scene_problem::CrackProblem;
 
 /// Realisations of a range so far.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct CracksSoFar {
+pub struct CrackProgress {
     /// Those of the rounds that have ended.
     pub run: Option<CrackRun>,
     /// The round after them, halted.
     pub halted: Option<HaltedRun>,
 }
 
-impl CracksSoFar {
+impl CrackProgress {
     /// Number of realisations of the rounds that have ended.
     #[must_use]
     pub fn n_ended(&self) -> u64 {
@@ -32,7 +32,7 @@ impl CrackProblem {
     /// # Errors
     /// [`RunError::Solver`] with those of [`CrackStudy::run`].
     pub fn run(&self, scene: &CrackScene, range: Range<u64>) -> Result<CrackRun, RunError> {
-        self.run_while(scene, range, CracksSoFar::default(), &|_| true, |_| Ok(()))
+        self.run_while(scene, range, CrackProgress::default(), &|_| true, |_| Ok(()))
     }
 
     /// Runs the realisations of a range, or those after `past`.
@@ -47,9 +47,9 @@ impl CrackProblem {
         &self,
         scene: &CrackScene,
         range: Range<u64>,
-        past: CracksSoFar,
+        past: CrackProgress,
         goes_on: &(dyn Fn(Option<f64>) -> bool + Sync),
-        mut look: impl FnMut(&CracksSoFar) -> Result<(), RunError>,
+        mut look: impl FnMut(&CrackProgress) -> Result<(), RunError>,
     ) -> Result<CrackRun, RunError> {
         let (study, n) = (self.study(scene), (range.end - range.start) as f64);
         let each = self.n_side_by_side(scene) * rayon::current_num_threads() as u64;

@@ -3,7 +3,7 @@
 use result_figures::number::exact;
 use scene_runs::scene::Objection;
 
-pub(super) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
+pub(crate) fn check_length(path: &str, count: usize, states: &[&str]) -> Result<(), Objection> {
     if count == states.len() {
         return Ok(());
     }

@@ -156,7 +156,7 @@ impl Default for FreshLatticesScene {
 
 impl LatticeScene {
     /// The method with the requested remeshing, steps, scheme, settling and degree.
-    pub(super) fn method<const D: usize>(&self, method: Method) -> Method {
+    pub(crate) fn method<const D: usize>(&self, method: Method) -> Method {
         let Self { fresh_lattices, steps_per_period, scheme, negligible, settling, degree, .. } =
             self;
         let is_plain = fresh_lattices.is_none() && steps_per_period.is_none() && scheme.is_none();
@@ -187,7 +187,7 @@ impl LatticeScene {
     }
 
     /// The lattice with `scale` times as many particles along a length; `None` in another dimension.
-    pub(super) fn build<const D: usize>(&self, scale: f64) -> Option<InitialLattice<D>> {
+    pub(crate) fn build<const D: usize>(&self, scale: f64) -> Option<InitialLattice<D>> {
         let reach = self.reach_in(D)?;
         Some(match &self.count {
             Some(count) => InitialLattice::Box { reach, count: scaled_counts(count, scale)? },
@@ -196,14 +196,14 @@ impl LatticeScene {
     }
 
     /// The reach of the lattice; `None` for a smallest probability that has none, which the check of the scene rejects.
-    pub(super) fn reach_in(&self, dimension: usize) -> Option<f64> {
+    pub(crate) fn reach_in(&self, dimension: usize) -> Option<f64> {
         self.reach.or_else(|| {
             let of = if self.count.is_some() { box_reach } else { ball_reach };
             of(dimension, self.smallest_probability.unwrap_or(SMALLEST_PROBABILITY)).ok()
         })
     }
 
-    pub(super) fn check(&self, path: &str, states: &[&str]) -> Result<(), Objection> {
+    pub(crate) fn check(&self, path: &str, states: &[&str]) -> Result<(), Objection> {
         self.check_extent(path)?;
         if let Some(steps) = self.steps_per_period {
             must(&format!("{path}.steps_per_period"), steps, steps > 0.0, "greater than 0")?;
@@ -261,7 +261,7 @@ impl LatticeScene {
     }
 }
 
-pub(super) fn scaled_counts<const D: usize>(count: &[usize], scale: f64) -> Option<[usize; D]> {
+pub(crate) fn scaled_counts<const D: usize>(count: &[usize], scale: f64) -> Option<[usize; D]> {
     let count: [usize; D] = count.try_into().ok()?;
     Some(count.map(|n| scaled_count(n, scale)))
 }
@@ -278,7 +278,7 @@ const MOST_PER_AXIS: usize = 2_000;
 /// Largest number of particles: the square of [`MOST_PER_AXIS`].
 const MOST_PARTICLES: f64 = 4e6;
 
-pub(super) fn check_counts(path: &str, count: &[usize], states: &[&str]) -> Result<(), Objection> {
+pub(crate) fn check_counts(path: &str, count: &[usize], states: &[&str]) -> Result<(), Objection> {
     check_length(&format!("{path}.count"), count.len(), states)?;
     for (k, &n) in count.iter().enumerate() {
         let allowed = (3..=MOST_PER_AXIS).contains(&n);

@@ -6,9 +6,9 @@ use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
 use super::checks::must;
-use super::paths::Paths;
-use super::system::{System, Visitor};
 use super::system_scene::{SystemError, list, square};
+use crate::paths::Paths;
+use crate::system::{System, Visitor};
 
 /// The initial distribution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -108,7 +108,7 @@ impl LawScene {
         Ok(law.map_err(vibrating_systems::Error::from)?)
     }
 
-    pub(super) fn check(&self, system: &System) -> Result<(), Objection> {
+    pub(crate) fn check(&self, system: &System) -> Result<(), Objection> {
         let name = match self {
             Self::Gaussian { .. } => "gaussian",
             Self::StationaryFilter { .. } => "stationary_filter",

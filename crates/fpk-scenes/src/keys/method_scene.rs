@@ -14,7 +14,7 @@ use super::lattice_scene::{
 };
 use super::law_scene::LawScene;
 use super::scheme_scene::SchemeScene;
-use super::system::System;
+use crate::system::System;
 
 /// The method, by its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -199,7 +199,7 @@ impl MethodScene {
     }
 
     /// Rejects numbers outside their range, lists of another length, and integrators and schemes of another system.
-    pub(super) fn check(
+    pub(crate) fn check(
         &self,
         system: &System,
         initial: &LawScene,

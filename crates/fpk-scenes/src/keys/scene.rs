@@ -1,18 +1,20 @@
 //! A density scene as written in its JSON file.
 
 use result_figures::number::{exact, tidy};
+use scene_runs::RunError;
 use scene_runs::scene::{Objection, Retired, Scene, SceneError, SceneFile, WrongKey, read_keys};
 use schemars::JsonSchema;
+use sde_integrators::GaussianMixture;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::checks::{check_length, must};
-use super::density::Demand;
 use super::law_scene::LawScene;
 use super::method_scene::MethodScene;
-use super::retired::RETIRED;
-use super::system::System;
 use super::system_scene::SystemScene;
+use crate::density::{Demand, Requested};
+use crate::retired::RETIRED;
+use crate::system::System;
 
 /// The probability density of a system under noise over time: system, requested quantities and method.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -200,6 +202,44 @@ impl FpkScene {
     pub fn read(name: &str, text: &str) -> Result<(Self, System), SceneError> {
         SceneFile::from_text(name, text.to_owned())?.build()
     }
+
+    /// What is asked for, in the dimension of the system or in that of a structure whose filter is conditioned out.
+    ///
+    /// The scene has been checked: its lists have as many entries as the system has states, and nothing is asked of states
+    /// that are conditioned out.
+    pub(crate) fn requested<const D: usize>(
+        &self,
+        system: &System,
+        cells: bool,
+    ) -> Result<Requested<D>, RunError> {
+        let powers = |powers: &Vec<u32>| {
+            let of_states = powers.get(..D).and_then(|powers| powers.try_into().ok());
+            of_states.ok_or_else(|| RunError::solver(OtherDimension { states: D }))
+        };
+        let demand = self.demand(system.states());
+        Ok(Requested {
+            times: self.times.list(),
+            powers: self.moments.iter().map(powers).collect::<Result<_, _>>()?,
+            demand: demand.map_err(|_| RunError::solver(OtherDimension { states: D }))?,
+            thresholds: self.thresholds.clone(),
+            cells,
+        })
+    }
+
+    /// The initial distribution, in the dimension of the system.
+    pub(crate) fn initial_law<const D: usize>(
+        &self,
+        system: &System,
+    ) -> Result<GaussianMixture<D>, RunError> {
+        self.initial.build(system.filter_covariance().as_deref()).map_err(RunError::solver)
+    }
+}
+
+/// The scene was not checked.
+#[derive(Debug, thiserror::Error)]
+#[error("the scene is of another dimension than its system, which has {states} states")]
+pub(crate) struct OtherDimension {
+    pub(crate) states: usize,
 }
 
 impl Scene for FpkScene {

@@ -5,8 +5,8 @@ use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::paths::Paths;
-use super::system::{System, Visitor};
+use crate::paths::Paths;
+use crate::system::{System, Visitor};
 
 /// Time integration scheme, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -31,7 +31,7 @@ impl SchemeScene {
     }
 
     /// Rejects a scheme in Lawson's form for a system without a declared linear part; `path` is that of the key.
-    pub(super) fn check(self, path: &str, system: &System) -> Result<(), Objection> {
+    pub(crate) fn check(self, path: &str, system: &System) -> Result<(), Objection> {
         if !self.scheme().needs_linear_part() || system.visit(HasLinearPart) {
             return Ok(());
         }

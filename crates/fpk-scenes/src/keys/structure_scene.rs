@@ -122,19 +122,19 @@ pub enum WindowScene {
 }
 
 impl StructureScene {
-    pub(super) fn parameters(&self) -> Result<LinearOscillatorParameters, Error> {
+    pub(crate) fn parameters(&self) -> Result<LinearOscillatorParameters, Error> {
         let &Self { natural_frequency, damping_ratio, noise_intensity, ref window } = self;
         let window = window.build()?;
         Ok(LinearOscillatorParameters { natural_frequency, damping_ratio, noise_intensity, window })
     }
 
-    pub(super) fn build(&self) -> Result<LinearOscillator, Error> {
+    pub(crate) fn build(&self) -> Result<LinearOscillator, Error> {
         LinearOscillator::new(self.parameters()?)
     }
 }
 
 impl DamperScene {
-    pub(super) fn build(&self) -> Result<ViscousDamper, Error> {
+    pub(crate) fn build(&self) -> Result<ViscousDamper, Error> {
         let &Self { ref structure, damper_coefficient, damper_exponent } = self;
         let structure = structure.parameters()?;
         ViscousDamper::new(ViscousDamperParameters {
@@ -146,14 +146,14 @@ impl DamperScene {
 }
 
 impl DuffingScene {
-    pub(super) fn build(&self) -> Result<Duffing, Error> {
+    pub(crate) fn build(&self) -> Result<Duffing, Error> {
         let &Self { ref structure, cubic_stiffness } = self;
         Duffing::new(DuffingParameters { structure: structure.parameters()?, cubic_stiffness })
     }
 }
 
 impl BoucWenScene {
-    pub(super) fn build(&self) -> Result<BoucWen, Error> {
+    pub(crate) fn build(&self) -> Result<BoucWen, Error> {
         let &Self {
             natural_frequency,
             damping_ratio,
@@ -180,7 +180,7 @@ impl BoucWenScene {
 }
 
 impl TwoStoreyScene {
-    pub(super) fn build(&self) -> Result<TwoStorey, Error> {
+    pub(crate) fn build(&self) -> Result<TwoStorey, Error> {
         let &Self {
             mass,
             stiffness,

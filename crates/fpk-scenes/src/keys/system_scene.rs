@@ -13,7 +13,7 @@ use vibrating_systems::{
 use super::structure_scene::{
     BoucWenScene, DamperScene, DuffingScene, StructureScene, TwoStoreyScene, WindowScene,
 };
-use super::system::System;
+use crate::system::System;
 
 /// The system, by its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -407,7 +407,7 @@ fn ornstein_uhlenbeck(
 }
 
 /// A list of the length that its type requires.
-pub(super) fn list<const D: usize>(
+pub(crate) fn list<const D: usize>(
     key: &'static str,
     values: &[f64],
 ) -> Result<[f64; D], SystemError> {
@@ -416,7 +416,7 @@ pub(super) fn list<const D: usize>(
 }
 
 /// A square matrix of the size that its type requires.
-pub(super) fn square<const D: usize>(
+pub(crate) fn square<const D: usize>(
     key: &'static str,
     rows: &[Vec<f64>],
 ) -> Result<[[f64; D]; D], SystemError> {

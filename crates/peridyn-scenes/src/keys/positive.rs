@@ -3,7 +3,7 @@
 use scene_runs::scene::Objection;
 
 /// An objection to a number that is not greater than zero.
-pub(super) fn positive(path: &str, name: &str, value: f64) -> Result<(), Objection> {
+pub(crate) fn positive(path: &str, name: &str, value: f64) -> Result<(), Objection> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }

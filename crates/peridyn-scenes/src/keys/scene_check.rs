@@ -3,10 +3,10 @@
 use serde_json::Value;
 
 use super::positive::positive;
-use super::retired::RETIRED;
 use super::scene::{CrackScene, NotchScene, PrecisionScene};
 use super::scene_body::ToughnessScene;
 use super::scene_load::LoadingScene;
+use crate::retired::RETIRED;
 use scene_runs::scene::{Objection, Retired, Scene, WrongKey, read_keys};
 
 impl Scene for CrackScene {

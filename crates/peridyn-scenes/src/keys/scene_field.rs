@@ -27,10 +27,10 @@ pub enum VariationScene {
 }
 
 impl VariationScene {
-    pub(super) const COLUMN: Self =
+    pub(crate) const COLUMN: Self =
         Self::Column(ColumnScene { between_nodes: BetweenScene::Minimum });
 
-    pub(super) const BY_VOLUME: Self = Self::WeibullByVolume(WeibullByVolumeScene::EXAMPLE);
+    pub(crate) const BY_VOLUME: Self = Self::WeibullByVolume(WeibullByVolumeScene::EXAMPLE);
 
     /// Whether the value is uniform.
     #[must_use]
@@ -173,7 +173,7 @@ pub struct CorrelationScene {
 }
 
 impl CorrelationScene {
-    pub(super) const SHORT: Self = Self { function: FunctionScene::Matern32, length: 0.003 };
+    pub(crate) const SHORT: Self = Self { function: FunctionScene::Matern32, length: 0.003 };
 }
 
 impl From<CorrelationScene> for Correlation {

@@ -131,7 +131,7 @@ impl RegionScene {
     }
 
     /// Rejects corners in the wrong order and a negative distance around it, both under a path.
-    pub(super) fn check(&self, path: &str, protected: f64) -> Result<(), Objection> {
+    pub(crate) fn check(&self, path: &str, protected: f64) -> Result<(), Objection> {
         if let Some(k) = (0..2).find(|&k| self.low[k] > self.high[k]) {
             let message = format!("the region goes from {} m to {} m", self.low[k], self.high[k]);
             return Err(Objection::new(format!("{path}.region.high[{k}]"), message));
@@ -145,7 +145,7 @@ impl RegionScene {
 }
 
 impl GripsScene {
-    pub(super) fn check(&self, body: &BodyScene) -> Result<(), Objection> {
+    pub(crate) fn check(&self, body: &BodyScene) -> Result<(), Objection> {
         let (height, spacing, whole) = (self.height, body.spacing, body.size[1]);
         if !(height >= spacing && height < 0.5 * whole) {
             let message = format!("the height of the edge regions is {height} m");

@@ -143,17 +143,19 @@ impl Method {
 }
 
 impl Rung {
-    /// A rung from the full scene, the scene for trials, and the keys that set the method.
+    /// A rung from the full scene, the scene for trials, and the names of the keys that set the method.
     ///
     /// `None` if one of them is not JSON.
     pub fn new(
         (size, label): (f64, String),
         scene: &impl Serialize,
         trial: &impl Serialize,
-        choice: &impl Serialize,
+        choice: &[&str],
     ) -> Option<Self> {
         let (scene, trial) = (keys(scene).ok()?, keys(trial).ok()?);
-        Some(Self { size, label, scene, trial, choice: keys(choice).ok()? })
+        let key = |name: &&str| Some(((*name).to_owned(), scene.get(*name)?.clone()));
+        let choice = choice.iter().map(key).collect::<Option<_>>()?;
+        Some(Self { size, label, scene, trial, choice })
     }
 }
 

@@ -6,22 +6,22 @@ use result_figures::number::tidy;
 use scene_runs::scene::Objection;
 use smpm::Fill;
 
-use super::coordinates::point;
 use super::region::BodyRegion;
-use super::scene::{SmpmScene, SolidScene};
+use crate::coordinates::point;
+use crate::scene::{SmpmScene, SolidScene};
 
 /// Largest part of a particle by which a body may miss the size that is asked for, without a note: roundoff.
 const ROUNDOFF: f64 = 1e-6;
 
 impl SmpmScene {
     /// Rejects names that occur twice.
-    pub(super) fn check_names(&self) -> Result<(), Objection> {
+    pub(crate) fn check_names(&self) -> Result<(), Objection> {
         distinct("bodies", "body", self.bodies.iter().map(|body| body.name.as_str()))?;
         distinct("gauges", "gauge", self.gauges.iter().map(|gauge| gauge.name.as_str()))
     }
 
     /// Rejects bodies without particles, bodies that overlap, and detonations outside of their charge.
-    pub(super) fn check_bodies<const D: usize>(&self) -> Result<(), Objection> {
+    pub(crate) fn check_bodies<const D: usize>(&self) -> Result<(), Objection> {
         let (mut regions, mut fills) = (Vec::new(), Vec::new());
         for (i, body) in self.bodies.iter().enumerate() {
             let fill = self.fill::<D>(i)?;
@@ -96,7 +96,7 @@ impl SmpmScene {
     }
 
     /// What a reader must know of the sizes of boxes: particles fill whole multiples of their spacing.
-    pub(super) fn rounded_sizes(&self) -> Vec<String> {
+    pub(crate) fn rounded_sizes(&self) -> Vec<String> {
         let spacing = self.grid.cell / f64::from(self.grid.particles_per_cell);
         let mut notes = Vec::new();
         for body in &self.bodies {

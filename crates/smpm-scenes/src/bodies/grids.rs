@@ -3,8 +3,8 @@
 use result_figures::number::tidy;
 use scene_runs::scene::Objection;
 
-use super::method_scene::{MethodScene, MultilevelScene};
-use super::scene::{GridScene, SmpmScene, SolidScene};
+use crate::method_scene::{MethodScene, MultilevelScene};
+use crate::scene::{GridScene, SmpmScene, SolidScene};
 
 /// Largest part of a cell by which a size may miss a whole number of cells: roundoff.
 const ROUNDOFF: f64 = 1e-6;
@@ -24,7 +24,7 @@ impl SmpmScene {
     ///
     /// # Errors
     /// An [`Objection`] to the coarsest cell, or if there is no coarser grid than that of the scene.
-    pub(super) fn cells(&self, method: &MultilevelScene) -> Result<Vec<f64>, Objection> {
+    pub(crate) fn cells(&self, method: &MultilevelScene) -> Result<Vec<f64>, Objection> {
         let mut cells = vec![self.grid.cell];
         let misfit = loop {
             let cell = 2.0 * cells[cells.len() - 1];
@@ -111,13 +111,13 @@ impl SmpmScene {
     }
 
     /// The scene on another grid.
-    pub(super) fn on_grid(&self, cell: f64) -> Self {
+    pub(crate) fn on_grid(&self, cell: f64) -> Self {
         let grid = GridScene { cell, ..self.grid.clone() };
         Self { grid, ..self.clone() }
     }
 
     /// Rejects a multilevel method without random numbers, without coarser grids, or with a number that it cannot have.
-    pub(super) fn check_multilevel(&self) -> Result<(), Objection> {
+    pub(crate) fn check_multilevel(&self) -> Result<(), Objection> {
         let MethodScene::Multilevel(method) = self.method else { return Ok(()) };
         let objection = |key: &str, message: String| {
             Err(Objection::new(format!("method.multilevel.{key}"), message))

@@ -2,10 +2,10 @@
 
 use scene_runs::scene::Objection;
 
-use super::coordinates::point;
+use crate::coordinates::point;
 
 /// A simple polygon by its corners, in either sense.
-pub(super) struct Polygon<const D: usize>(Vec<[f64; D]>);
+pub(crate) struct Polygon<const D: usize>(Vec<[f64; D]>);
 
 impl<const D: usize> Polygon<D> {
     /// The polygon of a scene, by the path of its corners.
@@ -13,7 +13,7 @@ impl<const D: usize> Polygon<D> {
     /// # Errors
     /// An [`Objection`] outside of two dimensions, to fewer than three corners, to a corner that is not finite, and to edges that
     /// meet elsewhere than at a common corner.
-    pub(super) fn of(corners: &[Vec<f64>], path: &str) -> Result<Self, Objection> {
+    pub(crate) fn of(corners: &[Vec<f64>], path: &str) -> Result<Self, Objection> {
         if D != 2 {
             let message = format!("a polygon is a shape in two dimensions; the scene has {D}");
             return Err(Objection::new(path, message));
@@ -73,7 +73,7 @@ impl<const D: usize> Polygon<D> {
         None
     }
 
-    pub(super) fn bounds(&self) -> ([f64; D], [f64; D]) {
+    pub(crate) fn bounds(&self) -> ([f64; D], [f64; D]) {
         let fold = |start: f64, of: fn(f64, f64) -> f64| {
             std::array::from_fn(|k| self.0.iter().map(|corner| corner[k]).fold(start, of))
         };
@@ -82,7 +82,7 @@ impl<const D: usize> Polygon<D> {
 
     /// Whether a ray from the point along the first axis leaves the polygon an odd number of times. Of polygons that share an
     /// edge, one alone holds a point on it.
-    pub(super) fn holds(&self, x: &[f64; D]) -> bool {
+    pub(crate) fn holds(&self, x: &[f64; D]) -> bool {
         let crosses = |k: usize| {
             let [mut low, mut high] = self.edge(k);
             if low[1] > high[1] {

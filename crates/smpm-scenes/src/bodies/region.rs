@@ -2,29 +2,29 @@
 
 use scene_runs::scene::Objection;
 
-use super::coordinates::point;
 use super::polygon::Polygon;
-use super::scene::{BodyScene, SolidScene};
+use crate::coordinates::point;
+use crate::scene::{BodyScene, SolidScene};
 
 /// What a body fills: its shape without the regions that are cut out.
-pub(super) struct BodyRegion<const D: usize> {
+pub(crate) struct BodyRegion<const D: usize> {
     whole: Region<D>,
     cuts: Vec<Region<D>>,
 }
 
 impl<const D: usize> BodyRegion<D> {
-    pub(super) fn of(body: &BodyScene, path: &str) -> Result<Self, Objection> {
+    pub(crate) fn of(body: &BodyScene, path: &str) -> Result<Self, Objection> {
         let whole = Region::of(&body.shape, &format!("{path}.shape"))?;
         let cut = |(i, shape)| Region::of(shape, &format!("{path}.except[{i}]"));
         let cuts = body.except.iter().enumerate().map(cut).collect::<Result<_, _>>()?;
         Ok(Self { whole, cuts })
     }
 
-    pub(super) fn bounds(&self) -> ([f64; D], [f64; D]) {
+    pub(crate) fn bounds(&self) -> ([f64; D], [f64; D]) {
         self.whole.bounds()
     }
 
-    pub(super) fn holds(&self, x: &[f64; D]) -> bool {
+    pub(crate) fn holds(&self, x: &[f64; D]) -> bool {
         self.whole.holds(x) && !self.cuts.iter().any(|cut| cut.holds(x))
     }
 }

@@ -8,7 +8,7 @@ use smpm::material::{
 };
 use smpm::{Body, Error, Fill, Number, ParameterError};
 
-use super::material_scene::{EquationScene, MaterialScene, Part, StrengthScene};
+use crate::material_scene::{EquationScene, MaterialScene, Part, StrengthScene};
 
 /// Materials whose constants may vary: those that smpm computes several particles at once.
 enum Kind {
@@ -36,7 +36,7 @@ impl Kind {
 
 impl MaterialScene {
     /// Rejects a material whose constants cannot vary in space.
-    pub(super) fn check_varying(&self, path: &str) -> Result<(), Objection> {
+    pub(crate) fn check_varying(&self, path: &str) -> Result<(), Objection> {
         if Kind::of(self).is_some() {
             return Ok(());
         }
@@ -51,7 +51,7 @@ impl MaterialScene {
     ///
     /// # Errors
     /// Errors of the model, with the particle.
-    pub(super) fn varying_body<S: Number, const D: usize>(
+    pub(crate) fn varying_body<S: Number, const D: usize>(
         &self,
         of: &dyn Fn(usize, Part, &'static str) -> S,
         fill: &Fill<D>,

@@ -3,10 +3,10 @@
 use smpm::material::{Units, library};
 
 /// Parameters of an entry, by name.
-pub(super) type Entry = Vec<(&'static str, f64)>;
+pub(crate) type Entry = Vec<(&'static str, f64)>;
 
 /// Entries of the library; each has some of the models.
-pub(super) const ENTRIES: [&str; 6] =
+pub(crate) const ENTRIES: [&str; 6] =
     ["steel", "steel_as_published", "copper", "aluminium", "water", "tnt"];
 
 macro_rules! entry {
@@ -18,7 +18,7 @@ macro_rules! entry {
 }
 
 /// Parameters of a model, by its key in a scene, if the library has them under this name.
-pub(super) fn entry(model: &str, name: &str, units: Units) -> Option<Entry> {
+pub(crate) fn entry(model: &str, name: &str, units: Units) -> Option<Entry> {
     match (model, name) {
         ("mie_gruneisen", "steel") => entry!(library::steel_equation(units)),
         ("mie_gruneisen", "copper") => entry!(library::copper_equation(units)),

@@ -17,7 +17,7 @@ const OF_UNITS: [&str; 5] =
 /// A function that returns the schema of each model, by its key in a scene.
 macro_rules! models {
     ($($name:ident: $parameters:ident;)+) => { $(
-        pub(super) fn $name(_: &mut SchemaGenerator) -> Schema {
+        pub(crate) fn $name(_: &mut SchemaGenerator) -> Schema {
             let (names, meanings) = ($parameters::<f64>::NAMES, $parameters::<f64>::MEANINGS);
             parameters(stringify!($name), names, meanings)
         }

@@ -21,7 +21,7 @@ pub struct RandomFieldScene {
 }
 
 impl RandomFieldScene {
-    pub(super) fn of_yield_stress() -> Self {
+    pub(crate) fn of_yield_stress() -> Self {
         Self {
             parameters: vec!["steel.strength.a".to_owned()],
             marginal: MarginalScene::Lognormal { coefficient_of_variation: 0.15 },
@@ -60,7 +60,7 @@ pub enum MarginalScene {
 
 impl MarginalScene {
     /// The distribution of the factor, whose mean is 1, and the key of its coefficient of variation.
-    pub(super) fn factor(self) -> (Result<Marginal, Error>, &'static str) {
+    pub(crate) fn factor(self) -> (Result<Marginal, Error>, &'static str) {
         let (marginal, key) = match self {
             Self::Normal { coefficient_of_variation: standard_deviation } => {
                 (Ok(Marginal::Normal { mean: 1.0, standard_deviation }), "normal")
@@ -93,7 +93,7 @@ pub struct FieldCorrelationScene {
 
 impl FieldCorrelationScene {
     /// The correlation in space.
-    pub(super) fn between<const D: usize>(&self, lengths: [f64; D]) -> SpatialCorrelation<D> {
+    pub(crate) fn between<const D: usize>(&self, lengths: [f64; D]) -> SpatialCorrelation<D> {
         let function = self.function.function();
         if self.separable {
             SpatialCorrelation::separable(lengths.map(|length| Correlation { function, length }))
@@ -144,7 +144,7 @@ pub enum TermsScene {
 
 impl TermsScene {
     /// The truncation, and its key.
-    pub(super) const fn truncation(self) -> (Truncation, &'static str) {
+    pub(crate) const fn truncation(self) -> (Truncation, &'static str) {
         match self {
             Self::Number(terms) => (Truncation::Terms(terms), "number"),
             Self::ShareOfVariance(share) => (Truncation::Share(share), "share_of_variance"),

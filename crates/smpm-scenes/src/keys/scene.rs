@@ -404,7 +404,7 @@ mod tests {
 
     #[test]
     fn the_defaults_that_the_schema_tells_are_those_of_the_solver() {
-        let text = include_str!("../../../tests/scenes/smpm/plate_impact.json").to_owned();
+        let text = include_str!("../../../../tests/scenes/smpm/plate_impact.json").to_owned();
         let scene: SmpmScene = SceneFile::from_text("scene.json", text).unwrap().parse().unwrap();
         let told = defaults::<SchemeScene>();
         assert!(!told.is_empty());

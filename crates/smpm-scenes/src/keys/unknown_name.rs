@@ -4,7 +4,7 @@ use scene_runs::nearest::nearest;
 use scene_runs::scene::Objection;
 
 /// The objection, with the nearest of the known names.
-pub(super) fn unknown<'a>(
+pub(crate) fn unknown<'a>(
     path: &str,
     what: &str,
     name: &str,

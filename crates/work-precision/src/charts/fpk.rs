@@ -8,7 +8,7 @@ use result_figures::{
     RunOutcome, Scale, TimeSeries, Words, WorkPrecision,
 };
 use scenes::clock::CpuClock;
-use scenes::fpk::density::{Asked, Demand};
+use scenes::fpk::density::{Demand, Requested};
 use scenes::fpk::monte_carlo::Sampling;
 use scenes::machine::Machine;
 
@@ -262,7 +262,7 @@ fn density(
     cells: bool,
     next: impl Fn(usize) -> Option<(String, Config<2>)>,
 ) -> Result<Ladder, CaseError> {
-    let asked = Asked {
+    let asked = Requested {
         times: vec![TIME],
         powers: vec![[2, 0]],
         demand: Demand::displacement(),
@@ -306,7 +306,7 @@ fn monte_carlo(
     steps: u32,
     most: usize,
 ) -> Result<Vec<Point>, CaseError> {
-    let asked = Asked {
+    let asked = Requested {
         times: vec![TIME],
         powers: vec![[2, 0]],
         demand: Demand::displacement(),
@@ -366,7 +366,7 @@ fn exceedance(context: &Context<'_>, problem: &Problem, name: &str) -> Result<Dr
     context.progress(&format!("{name}: exceedance over time"));
     let config = problem.density_config(1.0)?;
     let thresholds = &problem.scene.thresholds;
-    let asked = Asked {
+    let asked = Requested {
         times: problem.scene.times.list(),
         powers: vec![],
         demand: Demand::displacement(),

@@ -5,11 +5,11 @@ use result_pages::{Cells, Frame, Layer, Motion, Place, Scale};
 use super::pictures::PlaneAt;
 
 /// Which key turns on the density over time.
-pub(super) const ABSENT: &str = "The density over time is not shown: the key \"planes\" of the scene names planes of two states, and times. \
+pub(crate) const ABSENT: &str = "The density over time is not shown: the key \"planes\" of the scene names planes of two states, and times. \
                                 The density methods have it.";
 
 /// A field for each plane that was observed, its times in order.
-pub(super) fn motions(observed: &[PlaneAt]) -> Vec<Motion> {
+pub(crate) fn motions(observed: &[PlaneAt]) -> Vec<Motion> {
     let mut planes: Vec<Vec<&PlaneAt>> = Vec::new();
     for plane in observed {
         match planes.iter_mut().find(|known| known[0].states == plane.states) {

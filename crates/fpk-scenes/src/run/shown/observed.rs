@@ -45,7 +45,7 @@ impl WeightsRecord {
 
 impl Observed {
     /// A value with its error from a coarser run, if there was one.
-    pub(super) fn by_two(t: f64, value: f64, error: Option<f64>) -> Self {
+    pub(crate) fn by_two(t: f64, value: f64, error: Option<f64>) -> Self {
         let error = error.filter(|error| error.is_finite());
         let error_kind =
             if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
@@ -56,7 +56,7 @@ impl Observed {
     ///
     /// The error is the sum of `|fine - coarse| / divisor` over the coarser runs, each with its divisor, where all of
     /// them reached the time. `pick` selects time and value.
-    pub(super) fn of_runs<R>(
+    pub(crate) fn of_runs<R>(
         fine: &[R],
         coarser: &[(Vec<R>, f64)],
         pick: &dyn Fn(&R) -> (f64, f64),
@@ -72,7 +72,7 @@ impl Observed {
     }
 
     /// Adds a probability that no particle carries to a known error.
-    pub(super) fn may_lack(&mut self, outside: f64) {
+    pub(crate) fn may_lack(&mut self, outside: f64) {
         let Some(error) = &mut self.error else { return };
         if outside > *error {
             self.error_kind = ErrorOrigin::Bound;
@@ -81,12 +81,12 @@ impl Observed {
     }
 
     /// A probability that is no larger than what the lattice left outside: their sum is a bound, and no more is known.
-    pub(super) fn bounded_by(&mut self, outside: f64) {
+    pub(crate) fn bounded_by(&mut self, outside: f64) {
         (self.error, self.error_kind) = (Some(outside), ErrorOrigin::Bound);
     }
 
     /// A probability without an error where the estimate is zero; an error of zero would imply an exact value.
-    pub(super) fn without_zero_error(mut self, note: &str) -> Self {
+    pub(crate) fn without_zero_error(mut self, note: &str) -> Self {
         if self.value == 0.0 {
             (self.error, self.error_kind) = (None, ErrorOrigin::Unknown);
             self.note = Some(note.to_owned());

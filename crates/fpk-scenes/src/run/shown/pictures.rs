@@ -13,7 +13,7 @@ use scene_runs::output::write_to_disk;
 use sde_integrators::Sde;
 use serde::{Deserialize, Serialize};
 
-use crate::density::{Row, Standing};
+use crate::density::{ObservedRun, Row};
 use crate::plane_density::plane_density;
 use crate::scene::FpkScene;
 
@@ -24,29 +24,29 @@ const SAME_TIME: f64 = 1e-9;
 /// Number of coordinates that ParaView shows; further states are columns.
 const SHOWN: usize = 3;
 
-impl Seen {
+impl PictureData {
     /// Drops results after a time: the run that recorded them may have been longer.
-    pub(super) fn until(mut self, last: f64) -> Self {
+    pub(crate) fn until(mut self, last: f64) -> Self {
         self.frames.retain(|(t, _)| *t < last + SAME_TIME);
         self
     }
 }
 
 /// Observes a run and stores the pictures that its scene requests.
-pub(super) struct Pictures<'a> {
+pub(crate) struct Pictures<'a> {
     scene: &'a FpkScene,
     states: &'a [&'static str],
     planes: Vec<[usize; 2]>,
     bandwidth: f64,
     /// Of the clouds; none of a run in memory.
     folder: Option<PathBuf>,
-    seen: Seen,
+    seen: PictureData,
     failure: Option<SolverError>,
 }
 
 /// Pictures so far.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(super) struct Seen {
+pub(crate) struct PictureData {
     n_times: usize,
     planes: Vec<PlaneAt>,
     /// Time and file.
@@ -55,14 +55,14 @@ pub(super) struct Seen {
 
 /// The marginal density over a plane of two states at a time.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct PlaneAt {
-    pub(super) states: [usize; 2],
-    pub(super) t: f64,
-    pub(super) chart: Plane,
+pub(crate) struct PlaneAt {
+    pub(crate) states: [usize; 2],
+    pub(crate) t: f64,
+    pub(crate) chart: Plane,
 }
 
 impl PlaneAt {
-    pub(super) fn drawing(&self) -> Result<Drawing, RunError> {
+    pub(crate) fn drawing(&self) -> Result<Drawing, RunError> {
         let Words { x_label, y_label, .. } = &self.chart.words;
         let name = format!("plane-{x_label}-{y_label}-t{:.3}", self.t);
         Drawing::plane(&name, &self.chart).map_err(RunError::solver)
@@ -70,12 +70,12 @@ impl PlaneAt {
 }
 
 impl<'a> Pictures<'a> {
-    pub(super) fn new<const D: usize>(
+    pub(crate) fn new<const D: usize>(
         scene: &'a FpkScene,
         states: &'a [&'static str],
         config: &Config<D>,
         out: Option<&Path>,
-        seen: Seen,
+        seen: PictureData,
     ) -> Self {
         Self {
             scene,
@@ -89,9 +89,9 @@ impl<'a> Pictures<'a> {
     }
 
     /// Observes the run at a time of observation.
-    pub(super) fn look<S: Sde<D, M>, const D: usize, const M: usize>(
+    pub(crate) fn look<S: Sde<D, M>, const D: usize, const M: usize>(
         &mut self,
-        standing: &Standing<'_, S, D, M>,
+        standing: &ObservedRun<'_, S, D, M>,
     ) {
         let (simulation, Some(row)) = (standing.simulation, standing.rows.last()) else { return };
         self.seen.n_times += 1;
@@ -103,12 +103,12 @@ impl<'a> Pictures<'a> {
     }
 
     /// Content for a checkpoint.
-    pub(super) const fn seen(&self) -> &Seen {
+    pub(crate) const fn seen(&self) -> &PictureData {
         &self.seen
     }
 
     /// Returns the pictures and the files written.
-    pub(super) fn finish(self) -> Result<(Vec<PlaneAt>, Vec<PathBuf>), RunError> {
+    pub(crate) fn finish(self) -> Result<(Vec<PlaneAt>, Vec<PathBuf>), RunError> {
         if let Some(failure) = self.failure {
             return Err(RunError::Solver(failure));
         }

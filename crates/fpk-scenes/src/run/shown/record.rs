@@ -5,8 +5,8 @@ use std::fmt;
 use scene_runs::answers::Unknown;
 use serde::{Serialize, Serializer};
 
+use super::super::resolutions::Resolutions;
 use super::observed::Observed;
-use super::resolutions::Resolutions;
 use crate::density::Exceedances;
 use crate::scene::FpkScene;
 use crate::system::System;
@@ -75,7 +75,7 @@ pub(crate) enum Probability {
 }
 
 impl Probability {
-    pub(super) const ALL: [Self; 5] =
+    pub(crate) const ALL: [Self; 5] =
         [Self::FirstPassage, Self::Cell, Self::LogInterpolated, Self::Exceedance, Self::Indicator];
 
     const fn id(self) -> &'static str {
@@ -91,7 +91,7 @@ impl Probability {
 
 impl Quantity {
     /// The id by which a probability is compared, whatever its estimator.
-    pub(super) fn shared_id(&self) -> String {
+    pub(crate) fn shared_id(&self) -> String {
         match *self {
             Self::Probability { by, threshold } if by != Probability::FirstPassage => {
                 Self::Probability { by: Probability::Exceedance, threshold }.to_string()
@@ -101,7 +101,7 @@ impl Quantity {
     }
 
     /// The estimator of a probability; none for another quantity.
-    pub(super) const fn estimator(&self) -> Option<Probability> {
+    pub(crate) const fn estimator(&self) -> Option<Probability> {
         if let Self::Probability { by, .. } = self { Some(*by) } else { None }
     }
 }
@@ -141,7 +141,7 @@ const ESTIMATORS: [Estimator; 3] = [
 ];
 
 /// All quantities of the scene, without those that the method does not compute.
-pub(super) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
+pub(in crate::run) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
     let series = |of: Quantity, quantity: String, values| Series {
         of,
         quantity,
@@ -196,7 +196,7 @@ pub(super) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> V
 /// Moments and exceedances of a scene by a method with one estimator.
 ///
 /// `moment` and `exceedance` take indices in the lists of the scene. Quantities without a value are omitted.
-pub(super) fn asked_series(
+pub(crate) fn asked_series(
     scene: &FpkScene,
     system: &System,
     moment: &dyn Fn(usize) -> Vec<Observed>,
@@ -220,7 +220,7 @@ fn moment_series(powers: &[u32], system: &System, values: Vec<Observed>) -> Seri
 }
 
 /// Unit of a moment, e.g. `m^2/s` of `E[q v]`; none of a process whose states have the unit of the user.
-pub(super) fn moment_unit(powers: &[u32], states: &[&str]) -> String {
+pub(crate) fn moment_unit(powers: &[u32], states: &[&str]) -> String {
     let (mut length, mut time) = (0, 0);
     for (&power, state) in powers.iter().zip(states) {
         match *state {
@@ -242,7 +242,7 @@ pub(super) fn moment_unit(powers: &[u32], states: &[&str]) -> String {
 }
 
 /// Symbol of a moment, e.g. `E[q^2 v]`, without states to the power of zero.
-pub(super) fn moment_words(powers: &[u32], states: &[&str]) -> String {
+pub(crate) fn moment_words(powers: &[u32], states: &[&str]) -> String {
     let factor = |(name, &power): (&&str, &u32)| match power {
         0 => None,
         1 => Some((*name).to_owned()),
@@ -253,6 +253,6 @@ pub(super) fn moment_words(powers: &[u32], states: &[&str]) -> String {
 }
 
 /// Name of the demand.
-pub(super) fn demand_name(scene: &FpkScene, system: &System) -> String {
+pub(crate) fn demand_name(scene: &FpkScene, system: &System) -> String {
     scene.demand(system.states()).map(|demand| demand.name).unwrap_or_default()
 }

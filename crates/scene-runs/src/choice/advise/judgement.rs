@@ -179,7 +179,7 @@ mod tests {
 
     fn trial(method: usize, size: f64, value: f64, error: Option<f64>) -> Trial {
         let none = Map::new();
-        let rung = Rung::new((size, String::new()), &none, &none, &none).unwrap();
+        let rung = Rung::new((size, String::new()), &none, &none, &[]).unwrap();
         let error_kind = ErrorOrigin::TwoResolutions;
         let last = AnswerValue::of(Number { value, error, error_kind });
         let answer = Answer::new("a".into(), "a".into(), Statistic::Mean, last);

@@ -10,7 +10,7 @@ use random_vibration::{
     GridConfig, GridDensity, GuidedConfig, GuidedPaths, Linearisation, TailPaths, Tails,
 };
 use result_figures::Reference;
-use scenes::fpk::density::{self, Asked, Demand, DensityRun, Erased};
+use scenes::fpk::density::{self, Demand, DensityRun, Erased, Requested};
 use scenes::fpk::monte_carlo::{self, Sampling};
 use scenes::fpk::paths::Paths;
 use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, SubsetConfig};
@@ -125,8 +125,8 @@ impl<S, I, const D: usize> Setting<'_, S, I, D> {
         Scene { name: self.name, title: self.title.clone(), quantities, records: Vec::new() }
     }
 
-    fn asked(&self, cells: bool) -> Asked<D> {
-        Asked {
+    fn asked(&self, cells: bool) -> Requested<D> {
+        Requested {
             times: vec![self.time],
             powers: self.moments.iter().map(|(powers, _)| *powers).collect(),
             demand: Demand::of_state(0, "q", D),

@@ -7,7 +7,7 @@ use random_vibration::{
     ExceedanceQuestion, GridConfig, GridDensity, GuidedConfig, GuidedPaths, Linearisation,
     SubsetConfig, TailError, TailPaths, Tails,
 };
-use scenes::fpk::density::{self, Asked, Demand, Erased};
+use scenes::fpk::density::{self, Demand, Erased, Requested};
 use scenes::fpk::monte_carlo::{self, Sampling};
 use scenes::fpk::paths::Paths;
 use sde_integrators::{Additive, Estimate, Integrator, Sde};
@@ -53,8 +53,8 @@ impl<S, I, const D: usize> SurfaceOf<'_, S, I, D> {
         }
     }
 
-    fn asked(&self, cells: bool) -> Asked<D> {
-        Asked {
+    fn asked(&self, cells: bool) -> Requested<D> {
+        Requested {
             times: self.surface.times.clone(),
             powers: Vec::new(),
             demand: Demand::of_state(0, "q", D),

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// Requested results of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Asked<const D: usize = 2> {
+pub struct Requested<const D: usize = 2> {
     /// Times of observation.
     pub times: Vec<f64>,
     /// Raw moments `E[x_1^a_1 .. x_D^a_D]`.
@@ -126,7 +126,7 @@ pub fn run_on<S: Sde<D, M>, const D: usize, const M: usize>(
     system: S,
     law: &GaussianMixture<D>,
     config: &Config<D>,
-    asked: &Asked<D>,
+    asked: &Requested<D>,
     mut look: impl FnMut(&Simulation<S, D, M>, &Row),
 ) -> Result<DensityRun, Error> {
     run_from(
@@ -231,7 +231,7 @@ pub struct Reached {
 }
 
 /// A run at a time of observation, or where it was halted.
-pub struct Standing<'a, S, const D: usize, const M: usize> {
+pub struct ObservedRun<'a, S, const D: usize, const M: usize> {
     /// The density.
     pub simulation: &'a Simulation<S, D, M>,
     /// Results so far; unless the run was halted, the last row is for this time.
@@ -243,13 +243,13 @@ pub struct Standing<'a, S, const D: usize, const M: usize> {
     cpu_seconds: f64,
 }
 
-impl<S, const D: usize, const M: usize> std::fmt::Debug for Standing<'_, S, D, M> {
+impl<S, const D: usize, const M: usize> std::fmt::Debug for ObservedRun<'_, S, D, M> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Standing").field("rows", &self.rows).finish_non_exhaustive()
+        f.debug_struct("ObservedRun").field("rows", &self.rows).finish_non_exhaustive()
     }
 }
 
-impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
+impl<S: Sde<D, M>, const D: usize, const M: usize> ObservedRun<'_, S, D, M> {
     /// State from which another run resumes.
     ///
     /// # Errors
@@ -272,9 +272,9 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Standing<'_, S, D, M> {
 /// As [`run_on`], and those of [`Simulation::restore`].
 pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, const M: usize>(
     start: impl FnOnce() -> Result<O, Error>,
-    asked: &Asked<D>,
+    asked: &Requested<D>,
     past: Reached,
-    mut look: impl FnMut(Standing<'_, S, D, M>),
+    mut look: impl FnMut(ObservedRun<'_, S, D, M>),
     goes_on: &mut (dyn FnMut(f64) -> bool + Send),
 ) -> Result<DensityRun, Error> {
     let clock = CpuClock::start();
@@ -313,7 +313,14 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
                 let (density, rows) = (simulation.density(), &*run.rows);
                 let work = work(density);
                 let whole = &simulation;
-                look(Standing { simulation: density, rows, is_halted, whole, work, cpu_seconds });
+                look(ObservedRun {
+                    simulation: density,
+                    rows,
+                    is_halted,
+                    whole,
+                    work,
+                    cpu_seconds,
+                });
                 if is_halted {
                     break;
                 }
@@ -330,7 +337,7 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
 
 fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
     simulation: &Simulation<S, D, M>,
-    asked: &Asked<D>,
+    asked: &Requested<D>,
     cpu_seconds: f64,
 ) -> Result<Row, Error> {
     let cells = asked.cells.then(|| simulation.cell_integral()).transpose()?;
@@ -350,7 +357,7 @@ fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
 fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
     simulation: &Simulation<S, D, M>,
     cells: Option<&CellIntegral<D>>,
-    asked: &Asked<D>,
+    asked: &Requested<D>,
 ) -> Result<Vec<Exceedances>, Error> {
     let magnitude = |x: &[f64; D]| asked.demand.magnitude(x);
     let over_cells = cells.map(|cells| cells.exceedances(magnitude, &asked.thresholds));

@@ -1,15 +1,11 @@
 //! Monte Carlo reference on the same system and initial distribution.
 
-use std::ops::Range;
-
 use scene_runs::clock::CpuClock;
 use sde_integrators::{
     Ensemble, EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge,
-    merge_so_far,
 };
-use serde::{Deserialize, Serialize};
 
-use super::density::Asked;
+use super::density::Requested;
 use super::paths::{PathEnsemble, Paths, PathsError};
 
 /// Ensemble size and step.
@@ -53,7 +49,7 @@ impl SampledRun {
     }
 }
 
-/// Samples paths of a system of a scene; [`Asked::cells`] is ignored.
+/// Samples paths of a system of a scene; [`Requested::cells`] is ignored.
 ///
 /// # Errors
 /// Errors of the ensemble: invalid numbers, or a path that is not finite.
@@ -61,7 +57,7 @@ pub fn run_on<S: Paths<D, M>, const D: usize, const M: usize>(
     system: &S,
     law: &GaussianMixture<D>,
     sampling: &Sampling,
-    asked: &Asked<D>,
+    asked: &Requested<D>,
 ) -> Result<SampledRun, PathsError> {
     run_by(&|paths, place| system.shard(paths, place), law, sampling, asked)
 }
@@ -74,11 +70,11 @@ pub fn run_by<const D: usize>(
     shard: Shard<'_, D>,
     law: &GaussianMixture<D>,
     sampling: &Sampling,
-    asked: &Asked<D>,
+    asked: &Requested<D>,
 ) -> Result<SampledRun, PathsError> {
-    let so_far = SampledSoFar::default();
-    sample(shard, law, sampling, asked, (0..1, 1), so_far, &mut |_| Ok::<(), PathsError>(()))?
-        .run(asked)
+    let clock = CpuClock::start();
+    let record = sampled_shard(shard, law, sampling, asked, (0, 1))?;
+    SampledRun::of(asked, &merge(&[record])?.ensemble()?, clock.seconds())
 }
 
 /// Runs part `place.0` of `place.1` of an ensemble of paths.
@@ -87,52 +83,16 @@ pub fn run_by<const D: usize>(
 pub type Shard<'a, const D: usize> =
     &'a (dyn Fn(&PathEnsemble<'_, D>, (u64, u64)) -> Result<ShardRecord, PathsError> + Sync);
 
-/// Finished shards of an ensemble.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct SampledSoFar {
-    shards: Vec<ShardRecord>,
-    cpu_seconds: f64,
-}
-
-impl SampledSoFar {
-    /// Number of shards.
-    #[must_use]
-    pub fn n_shards(&self) -> u64 {
-        self.shards.len() as u64
-    }
-
-    /// All shards of some parts.
-    pub fn of(parts: impl IntoIterator<Item = Self>) -> Self {
-        let mut all = Self::default();
-        for part in parts {
-            all.shards.extend(part.shards);
-            all.cpu_seconds += part.cpu_seconds;
-        }
-        all
-    }
-
-    /// Combined results of all shards.
+impl SampledRun {
+    /// The results of an ensemble of paths.
     ///
     /// # Errors
-    /// [`PathsError::Ensemble`] for a missing shard and for failed paths; [`PathsError::OtherResults`] for shards with
-    /// other quantities.
-    pub fn run<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
-        self.of_ensemble(asked, &merge(&self.shards)?.ensemble()?)
-    }
-
-    /// Combined results of the available shards.
-    ///
-    /// # Errors
-    /// Those of [`SampledSoFar::run`], except for missing shards.
-    pub fn present<const D: usize>(&self, asked: &Asked<D>) -> Result<SampledRun, PathsError> {
-        self.of_ensemble(asked, &merge_so_far(&self.shards)?.ensemble()?)
-    }
-
-    fn of_ensemble<const D: usize>(
-        &self,
-        asked: &Asked<D>,
+    /// [`PathsError::OtherResults`] for an ensemble with other quantities.
+    pub(crate) fn of<const D: usize>(
+        asked: &Requested<D>,
         ensemble: &Ensemble,
-    ) -> Result<SampledRun, PathsError> {
+        cpu_seconds: f64,
+    ) -> Result<Self, PathsError> {
         let (n_moments, n_thresholds) = (asked.powers.len(), asked.thresholds.len());
         let expected = n_moments + n_thresholds;
         let other = ensemble.estimates.iter().map(Vec::len).find(|&found| found != expected);
@@ -144,30 +104,23 @@ impl SampledSoFar {
             moments: estimates[..n_moments].to_vec(),
             exceedances: estimates[n_moments..].to_vec(),
         };
-        Ok(SampledRun {
+        Ok(Self {
             rows: ensemble.times.iter().zip(&ensemble.estimates).map(row).collect(),
             path_steps: ensemble.path_steps,
-            cpu_seconds: self.cpu_seconds,
+            cpu_seconds,
         })
     }
 }
 
-/// Samples a range of shards of an ensemble in sequence; the first shards may be finished already.
-///
-/// `look` is called after each shard and may stop the run.
-///
-/// # Errors
-/// Those of [`run_on`] and of `look`.
-pub fn sample<E: From<PathsError>, const D: usize>(
-    shard_of: Shard<'_, D>,
+/// Samples shard `place.0` of `place.1` of an ensemble.
+pub(crate) fn sampled_shard<const D: usize>(
+    shard: Shard<'_, D>,
     law: &GaussianMixture<D>,
     sampling: &Sampling,
-    asked: &Asked<D>,
-    (range, n_shards): (Range<u64>, u64),
-    mut so_far: SampledSoFar,
-    look: &mut dyn FnMut(&SampledSoFar) -> Result<(), E>,
-) -> Result<SampledSoFar, E> {
-    let Asked { times, powers, demand, thresholds, .. } = asked;
+    asked: &Requested<D>,
+    place: (u64, u64),
+) -> Result<ShardRecord, PathsError> {
+    let Requested { times, powers, demand, thresholds, .. } = asked;
     let monomials: Vec<_> =
         powers.iter().map(|&powers| move |_: f64, x: &[f64; D]| monomial(powers, x)).collect();
     let events: Vec<_> = thresholds
@@ -183,14 +136,7 @@ pub fn sample<E: From<PathsError>, const D: usize>(
         dt: sampling.step,
         times: times.clone(),
     };
-    let paths = PathEnsemble { law, config: &config, observables: &observables };
-    for shard in range.start + so_far.n_shards()..range.end {
-        let start = CpuClock::start();
-        so_far.shards.push(shard_of(&paths, (shard, n_shards))?);
-        so_far.cpu_seconds += start.seconds();
-        look(&so_far)?;
-    }
-    Ok(so_far)
+    shard(&PathEnsemble { law, config: &config, observables: &observables }, place)
 }
 
 fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {

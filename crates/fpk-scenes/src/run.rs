@@ -1,22 +1,18 @@
 //! Runs a density scene: several resolutions for the error, or Monte Carlo with its standard error.
 
-pub(crate) mod answers;
-mod asked;
-pub(crate) mod findings;
 mod ingredients;
 mod ladder;
 mod linearised;
-mod motion;
-pub(crate) mod observed;
 mod on_grid;
 mod outcome;
-mod pictures;
-pub(crate) mod record;
 mod resolutions;
 mod sampled;
+mod shown;
 mod tails;
 #[cfg(test)]
 mod tests;
+
+pub(crate) use self::shown::{answers, findings, motion, observed, pictures, record};
 
 use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
@@ -34,20 +30,21 @@ use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 use vibrating_systems::Filtered;
 
-use crate::density::{self, Asked, DensityRun, DensitySimulation, Erased, Reached, Row, Standing};
+use crate::density::{
+    self, DensityRun, DensitySimulation, Erased, ObservedRun, Reached, Requested, Row,
+};
 use crate::method_scene::MethodScene;
 use crate::monte_carlo::Sampling;
 use crate::paths::{Paths, PathsError};
-use crate::scene::FpkScene;
+use crate::scene::{FpkScene, OtherDimension};
 use crate::sources::{
     AU_BECK_2001, CANOR_2013, GIRSANOV_1960, MACKE_2003, ROBERTS_1990, SCHARFETTER_1969,
 };
 use crate::system::{FilteredVisitor, System, Visitor};
-use asked::{OtherDimension, asked, law};
 use linearised::Linearised;
 use observed::Observed;
 use outcome::Outcome;
-use pictures::{Pictures, Seen};
+use pictures::{PictureData, Pictures};
 use record::{
     Content, Quantity, Series, WorkRecord, best_probabilities, demand_name, moment_words, series,
 };
@@ -213,9 +210,9 @@ struct Solved<'a> {
 
 /// Content of a checkpoint of a density run: its state and its results so far.
 #[derive(Debug, Default, Serialize, Deserialize)]
-struct Kept {
+struct SavedDensity {
     reached: Reached,
-    seen: Seen,
+    seen: PictureData,
 }
 
 impl Solved<'_> {
@@ -229,15 +226,16 @@ impl Solved<'_> {
         let Density { start, asked, past } = density;
         let n_times = asked.times.len();
         let mut failure = None;
-        let look = |standing: Standing<'_, S, D, M>| {
+        let look = |standing: ObservedRun<'_, S, D, M>| {
             if let Some(pictures) = pictures.as_mut().filter(|_| !standing.is_halted) {
                 pictures.look(&standing);
             }
             self.tell(standing.rows, n_times);
             let is_last = standing.is_halted || standing.rows.len() == n_times;
             if failure.is_none() && (is_last || self.checkpoint.is_due()) {
-                let seen = pictures.as_ref().map_or_else(Seen::default, |p| p.seen().clone());
-                let kept = standing.reached().map(|reached| Kept { reached, seen });
+                let seen =
+                    pictures.as_ref().map_or_else(PictureData::default, |p| p.seen().clone());
+                let kept = standing.reached().map(|reached| SavedDensity { reached, seen });
                 failure = match kept {
                     Ok(kept) => self.checkpoint.keep(part, &kept).err().map(RunError::from),
                     Err(error) => Some(RunError::solver(error)),
@@ -267,7 +265,7 @@ impl Solved<'_> {
 /// Inputs of a density run.
 struct Density<'a, const D: usize, F> {
     start: F,
-    asked: &'a Asked<D>,
+    asked: &'a Requested<D>,
     past: Reached,
 }
 
@@ -290,7 +288,7 @@ impl FilteredVisitor for Solved<'_> {
     where
         S: Sde<DS, 1, Noise = Additive>,
     {
-        let law: GaussianMixture<D> = law(self.scene, self.system)?;
+        let law: GaussianMixture<D> = self.scene.initial_law(self.system)?;
         let structure = Erased(system.structure() as &dyn Sde<DS, 1, Noise = Additive>);
         let erased = Filtered::new(structure, *system.filter(), system.noise_window().clone());
         let erased = erased.map_err(RunError::solver)?;
@@ -306,7 +304,7 @@ impl Solved<'_> {
         self,
         system: &dyn Sde<D, M, Noise = N>,
     ) -> Result<Outcome, RunError> {
-        let law: GaussianMixture<D> = law(self.scene, self.system)?;
+        let law: GaussianMixture<D> = self.scene.initial_law(self.system)?;
         let period = self.system.reference_period();
         self.at_resolutions(period, |config| Simulation::new(Erased(system), &law, config))
     }
@@ -323,13 +321,13 @@ impl Solved<'_> {
     {
         let Self { scene, system: named, run, .. } = self;
         let no_cells = no_cells(&scene.method, D);
-        let asked = asked::<D>(scene, named, no_cells.is_none())?;
+        let asked = scene.requested::<D>(named, no_cells.is_none())?;
         let config = |part: f64| scene.method.density_config::<D>(period, part);
         let Some(whole) = config(1.0) else {
             return Err(RunError::solver(OtherDimension { states: D }));
         };
         run.progress.stage("density");
-        let kept: Kept = self.checkpoint.part("density")?.unwrap_or_default();
+        let kept: SavedDensity = self.checkpoint.part("density")?.unwrap_or_default();
         let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
         let mut pictures = Pictures::new(scene, named.states(), &whole, run.folder(), seen);
         let (asked, start) = (&asked, &start);
@@ -342,7 +340,7 @@ impl Solved<'_> {
             .map_err(RunError::solver)?;
         run.progress.stage("density at coarser resolutions, for its error");
         let both = Resolutions::new(fine, config, |name, config| {
-            let Kept { reached, .. } = self.checkpoint.part(name)?.unwrap_or_default();
+            let SavedDensity { reached, .. } = self.checkpoint.part(name)?.unwrap_or_default();
             let density = Density { start: || start(config), asked, past: reached };
             self.density(name, density, None)
         })?;

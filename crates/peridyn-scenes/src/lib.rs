@@ -1,20 +1,16 @@
 #![doc = include_str!("../README.md")]
 
+pub mod constraints;
 pub mod crack_inference;
-pub mod held;
-mod named;
+mod keys;
 pub mod points;
-mod positive;
 mod procedure;
+pub mod progress;
 mod retired;
 pub mod run;
-pub mod scene;
-pub mod scene_body;
-mod scene_check;
-pub mod scene_dynamics;
-pub mod scene_field;
-pub mod scene_load;
 mod scene_plate;
 pub mod scene_problem;
-pub mod so_far;
 pub mod sources;
+
+pub(crate) use self::keys::positive;
+pub use self::keys::{scene, scene_body, scene_dynamics, scene_field, scene_load};

@@ -10,14 +10,13 @@ mod motion;
 mod pictures;
 mod record;
 
-use mpi_ensembles::Ranks;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble};
 use peridyn_sde::{CrackRun, HaltedRun};
 use result_figures::number::with_uncertainty;
 use scene_runs::checkpoint::{Checkpoint, CheckpointError};
 use scene_runs::clock::CpuClock;
 use scene_runs::interrupt;
-use scene_runs::kind::{Completed, Cut, Inputs, Output, Part, Run, RunError, SceneKind};
+use scene_runs::kind::{Completed, Computed, Cut, Inputs, Output, Run, RunError, SceneKind};
 use scene_runs::models::edit;
 use scene_runs::result_file::ResultFile;
 use scene_runs::scene::{NamedFile, Objection, SceneFile};
@@ -25,9 +24,9 @@ use sde_integrators::{Accumulator, Noise};
 
 use self::record::{Content, Record, WorkRecord};
 use crate::points::Cloud;
+use crate::progress::CrackProgress;
 use crate::scene::{CrackScene, EnsembleScene};
 use crate::scene_problem::CrackProblem;
-use crate::so_far::CracksSoFar;
 
 /// Its line in a table of kinds.
 pub const KIND: SceneKind = SceneKind {
@@ -93,22 +92,25 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let files: Vec<NamedFile> = cloud.iter().map(|cloud| cloud.file().clone()).collect();
     let inputs = &Inputs { scene: &scene, seed: Some(scene.ensemble.seed), files: &files };
     // A file that is no shard of this scene is rejected before the body is built.
-    let shards = match run.part() {
-        Part::Merged(files) => Some(joined(run.read_shards(inputs, files)?)?),
-        Part::Whole | Part::Shard(_) => None,
-    };
+    let shards = run.shards::<Ended>(inputs)?;
     let problem = CrackProblem::new(&scene, cloud).map_err(refused)?;
-    let (crack_run, cpu_seconds) = match (shards, run.ranks(), run.part()) {
-        (Some(shards), ..) => shards,
-        (None, Some(ranks), _) => match on_ranks(ranks, inputs, &problem, run)? {
-            Some(parts) => joined(parts)?,
-            None => return Ok(Completed::Elsewhere(Vec::new())),
-        },
-        (None, None, Part::Shard(place)) => {
-            let shard = realisations(inputs, &problem, run)?;
-            return Ok(Completed::Elsewhere(vec![run.write_shard(inputs, *place, &shard)?]));
-        }
-        (None, None, _) => realisations(inputs, &problem, run)?,
+    let EnsembleScene { realisations: n, .. } = scene.ensemble;
+    // A block holds as many realisations as run side by side in a register.
+    let blocks = Cut { n, unit: problem.n_side_by_side(&scene) };
+    let block = |block: u64| {
+        let clock = CpuClock::start();
+        let ended = problem.run(&scene, blocks.range(block))?;
+        Ok((ended, clock.seconds()))
+    };
+    let words = |parts: &mut dyn Iterator<Item = &Ended>| load_words(parts.map(|(run, _)| run));
+    let here = || realisations(inputs, &problem, run);
+    let computed = match shards {
+        Some(shards) => Computed::Here(shards),
+        None => run.parts(inputs, blocks.n_blocks(), &block, &words, here)?,
+    };
+    let (crack_run, cpu_seconds) = match computed {
+        Computed::Here(parts) => joined(parts)?,
+        Computed::Elsewhere(files) => return Ok(Completed::Elsewhere(files)),
     };
     found(&scene, &problem, (&crack_run, cpu_seconds), run)
 }
@@ -127,24 +129,6 @@ fn joined(shards: Vec<Ended>) -> Result<Ended, RunError> {
         cpu_seconds += seconds;
     }
     Ok((all, cpu_seconds))
-}
-
-/// All realisations; a block holds as many as run side by side in a register.
-fn on_ranks(
-    ranks: &dyn Ranks,
-    inputs: &Inputs<'_, CrackScene>,
-    problem: &CrackProblem,
-    run: &Run<'_>,
-) -> Result<Option<Vec<Ended>>, RunError> {
-    let EnsembleScene { realisations: n, .. } = inputs.scene.ensemble;
-    let blocks = Cut { n, unit: problem.n_side_by_side(inputs.scene) };
-    let compute = |block: u64| {
-        let clock = CpuClock::start();
-        let ended = problem.run(inputs.scene, blocks.range(block))?;
-        Ok((ended, clock.seconds()))
-    };
-    let words = |parts: &mut dyn Iterator<Item = &Ended>| load_words(parts.map(|(run, _)| run));
-    run.on_ranks(ranks, inputs, blocks.n_blocks(), &compute, &words)
 }
 
 /// All requested realisations, including those of a checkpoint.
@@ -179,7 +163,7 @@ fn realisations(
     let clock = CpuClock::start();
     let past_seconds = halted_seconds.or(past_seconds).unwrap_or(0.0);
     let seconds = || past_seconds + clock.seconds();
-    let (past, pace) = (CracksSoFar { run: past, halted }, run.pace("realisations"));
+    let (past, pace) = (CrackProgress { run: past, halted }, run.pace("realisations"));
     pace.at(past.n_ended() as f64 / asked as f64)?;
     let goes_on = |part: Option<f64>| {
         !interrupt::is_requested() && part.is_none_or(|part| pace.at(part).is_ok())
@@ -199,7 +183,7 @@ fn realisations(
 
 fn keep(
     checkpoint: &Checkpoint,
-    so_far: &CracksSoFar,
+    so_far: &CrackProgress,
     seconds: f64,
 ) -> Result<(), CheckpointError> {
     let halted = so_far.halted.as_ref().map(|halted| (halted, seconds));

@@ -6,7 +6,7 @@ use peridyn_sde::{
 use scene_runs::scene::{NamedFile, Objection};
 use serde::Serialize;
 
-use super::held::{Held, LoadEnd, rate};
+use super::constraints::{Constraints, LoadEnd, rate};
 use super::points::Cloud;
 use super::procedure::{Motion, SceneProcedure};
 use super::scene::CrackScene;
@@ -23,7 +23,7 @@ pub struct CrackProblem {
     strength: Variation,
     stiffness: Variation,
     notch: Notch,
-    held: Held,
+    held: Constraints,
     loading: Loading<2>,
     procedure: SceneProcedure,
     path: PathConfig,
@@ -82,7 +82,7 @@ impl CrackProblem {
     pub fn new(scene: &CrackScene, cloud: Option<Cloud>) -> Result<Self, Objection> {
         let plate = Plate::new(scene, cloud)?;
         let (strength, stiffness) = (plate.strength(scene)?, plate.stiffness(scene)?);
-        let held = Held::of(scene, &plate.nodes)?;
+        let held = Constraints::of(scene, &plate.nodes)?;
         // The choice of these nodes does not depend on the rate.
         let still = held.loading(&plate.nodes, 0.0).map_err(of_loading(scene))?;
         let procedure = SceneProcedure::of(scene, &plate, still, stiffness.stiffness())?;

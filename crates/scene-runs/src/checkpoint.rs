@@ -41,7 +41,7 @@ pub struct Checkpoint {
     /// Where its files are; none of a run in memory, of which nothing is stored.
     files: Option<Files>,
     every: Duration,
-    kept: Mutex<Kept>,
+    kept: Mutex<Stored>,
 }
 
 /// Place and identity of the files of a checkpoint.
@@ -52,7 +52,7 @@ struct Files {
 }
 
 #[derive(Debug)]
-struct Kept {
+struct Stored {
     parts: Parts,
     /// Number of files written by all runs into the folder.
     sequence: u64,
@@ -75,7 +75,7 @@ impl Checkpoint {
     /// The checkpoint of a run in memory: nothing is stored, and nothing is loaded.
     #[must_use]
     pub fn in_memory() -> Self {
-        let kept = Mutex::new(Kept::new(Parts::new(), 0, Stage::Ended));
+        let kept = Mutex::new(Stored::new(Parts::new(), 0, Stage::Ended));
         Self { files: None, every: Duration::MAX, kept }
     }
 
@@ -116,15 +116,15 @@ impl Checkpoint {
             }
             (Start::GoOn, Some((path, Content { sequence, stage, parts, .. }))) => {
                 found.file = Some(path);
-                Kept::new(parts, sequence, stage)
+                Stored::new(parts, sequence, stage)
             }
             (Start::Anew | Start::Overwrite, last) => {
                 // An unreadable file is no loss.
                 found.refused.clear();
                 let sequence = last.map_or(0, |(_, content)| content.sequence);
-                Kept::new(Parts::new(), sequence, Stage::Ended)
+                Stored::new(Parts::new(), sequence, Stage::Ended)
             }
-            (Start::GoOn, None) => Kept::new(Parts::new(), 0, Stage::Ended),
+            (Start::GoOn, None) => Stored::new(Parts::new(), 0, Stage::Ended),
         };
         let files = Some(Files { folder: folder.to_owned(), head });
         Ok((Self { files, every, kept: Mutex::new(kept) }, found))
@@ -177,7 +177,7 @@ impl Checkpoint {
         &self,
         name: &str,
         part: &T,
-        is_due: impl FnOnce(&Kept) -> bool,
+        is_due: impl FnOnce(&Stored) -> bool,
     ) -> Result<(), CheckpointError> {
         let Some(files) = &self.files else {
             let is_requested = interrupt::is_requested();
@@ -216,13 +216,13 @@ impl Checkpoint {
 
 impl Files {
     /// The file that was written last, or is being written.
-    fn newest(&self, kept: &Kept) -> PathBuf {
+    fn newest(&self, kept: &Stored) -> PathBuf {
         let [even, odd] = file::names(&self.folder);
         if kept.sequence.is_multiple_of(2) { even } else { odd }
     }
 
     /// Overwrites the older of the two files.
-    fn write(&self, kept: &mut Kept) -> Result<(), CheckpointError> {
+    fn write(&self, kept: &mut Stored) -> Result<(), CheckpointError> {
         kept.sequence += 1;
         let path = &self.newest(kept);
         let at = (kept.sequence, kept.stage);
@@ -232,7 +232,7 @@ impl Files {
     }
 }
 
-impl Kept {
+impl Stored {
     fn new(parts: Parts, sequence: u64, stage: Stage) -> Self {
         Self { parts, sequence, stage, last: Instant::now(), took: Duration::ZERO }
     }

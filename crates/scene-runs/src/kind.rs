@@ -4,6 +4,7 @@
 //! scene names its kind by the top-level key `solver`, which its type declares too.
 
 mod blocks;
+mod ensemble;
 mod folder_lock;
 mod inputs;
 mod kind_run;
@@ -24,12 +25,13 @@ use schemars::Schema;
 use serde_json::Value;
 
 pub use self::blocks::{BlockRecord, Cut, JobRecord};
+pub use self::ensemble::{Computed, Ensemble, Items};
 pub use self::inputs::Inputs;
 use self::kind_run::Results;
 pub use self::kind_run::Run;
 pub use self::options::Options;
 pub use self::pace::{Limit, Pace, TooLong};
-pub use self::part::{Part, Place};
+pub use self::part::{EnsemblePart, Place};
 pub use self::progress::Progress;
 pub use self::run_error::{RunError, SolverError};
 pub use self::solution::{Completed, Finished, Found, Output, Solution};
@@ -79,7 +81,7 @@ impl SceneKind {
         progress: &Progress,
         ranks: Option<&dyn Ranks>,
     ) -> Result<Finished, RunError> {
-        if ranks.is_some() && options.part != Part::Whole {
+        if ranks.is_some() && options.part != EnsemblePart::Whole {
             return Err(RunError::PartOnRanks);
         }
         let (solver, results) = (self.solver, Results::InFolder);

@@ -1,26 +1,20 @@
 #![doc = include_str!("../README.md")]
 
-pub mod advise;
-pub mod answers;
-pub mod causes;
 pub mod checkpoint;
-pub mod clock;
-pub mod interrupt;
+mod choice;
 pub mod kind;
-pub mod ladder;
-pub mod machine;
-pub mod models;
-pub mod nearest;
-pub mod output;
-mod page;
-pub mod report;
-pub mod result_file;
+mod process;
+mod results;
 pub mod scene;
 pub mod schema;
 
 pub use self::answers::{Answer, Answers};
+pub use self::choice::{advise, ladder, models};
 pub use self::kind::{
-    BlockRecord, Cut, Finished, Found, Inputs, JobRecord, Options, Part, Place, Progress, Run,
-    RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
+    BlockRecord, Cut, EnsemblePart, Finished, Found, Inputs, JobRecord, Options, Place, Progress,
+    Run, RunError, SceneKind, SolverError, check, kind_of, run, run_on_ranks,
 };
+pub use self::process::{causes, clock, interrupt, machine, nearest};
+pub(crate) use self::results::page;
+pub use self::results::{answers, output, report, result_file};
 pub use self::scene::SceneFile;

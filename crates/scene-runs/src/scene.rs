@@ -5,9 +5,7 @@
 //! parsing, values afterwards by [`Scene::check`].
 
 mod error;
-mod keys;
 mod named_file;
-mod objection;
 mod place;
 mod retired;
 #[cfg(test)]
@@ -18,10 +16,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use self::error::Origin;
-pub use self::error::SceneError;
-pub use self::keys::{WrongKey, read_keys};
+pub use self::error::{Objection, SceneError};
 pub use self::named_file::NamedFile;
-pub use self::objection::Objection;
+pub use self::place::{WrongKey, read_keys};
 pub use self::retired::Retired;
 
 /// The key that names the kind of a scene.

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use scene_runs::checkpoint::Start;
-use scene_runs::kind::{self, Options, Part, Place, Progress};
+use scene_runs::kind::{self, EnsemblePart, Options, Place, Progress};
 use scene_runs::{advise, interrupt, schema};
 
 use self::summary::Ending;
@@ -222,7 +222,7 @@ pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitC
             Ok(ExitCode::SUCCESS)
         }
         Command::Merge(Merge { scene, shards, out, seed, end }) => {
-            let part = Part::Merged(shards);
+            let part = EnsemblePart::Merged(shards);
             let options = Options { seed, part, ..Options::new(out) };
             run_scene(&scene, &options, end.ending(), output)
         }
@@ -287,7 +287,7 @@ fn execute_run(arguments: Run, output: &mut dyn Write) -> miette::Result<ExitCod
             _ => Start::Anew,
         },
         checkpoint_every: Duration::from_secs(arguments.checkpoint_every),
-        part: arguments.shard.map_or(Part::Whole, Part::Shard),
+        part: arguments.shard.map_or(EnsemblePart::Whole, EnsemblePart::Shard),
         longest: arguments.allowed.longest(),
     };
     if let Some(n_ranks) = started {

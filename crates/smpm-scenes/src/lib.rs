@@ -1,22 +1,14 @@
 #![doc = include_str!("../README.md")]
 
-mod coordinates;
+mod bodies;
 pub mod experiment;
-mod geometry;
-mod grids;
-mod material_library;
-pub mod material_scene;
-mod material_schema;
-pub mod method_scene;
-mod polygon;
-pub mod quantity_name;
-pub mod random_field_scene;
+mod keys;
 mod random_fields;
 pub mod reading;
-mod region;
 mod retired;
 pub mod run;
-pub mod scene;
 pub mod sources;
-mod unknown_name;
-mod varying_body;
+
+pub(crate) use self::bodies::region;
+pub(crate) use self::keys::{coordinates, unknown_name};
+pub use self::keys::{material_scene, method_scene, quantity_name, random_field_scene, scene};

@@ -28,7 +28,7 @@ pub(crate) mod viscous_damper;
 
 use reference_problems::fpk::problem::Problem;
 use result_figures::{ErrorKind, Measured, Reference};
-use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, Row};
+use scenes::fpk::density::{Demand, DensityRun, Exceedances, Requested, Row};
 use scenes::fpk::scene::FpkScene;
 
 use crate::case::{CaseError, Context};
@@ -73,8 +73,8 @@ fn row(run: &DensityRun, t: f64) -> Result<&Row, CaseError> {
 }
 
 /// A run with what the cases look at.
-fn asked(times: &[f64], problem: &Problem, cells: bool) -> Asked {
-    Asked {
+fn asked(times: &[f64], problem: &Problem, cells: bool) -> Requested {
+    Requested {
         times: times.to_vec(),
         powers: POWERS.to_vec(),
         demand: Demand::displacement(),

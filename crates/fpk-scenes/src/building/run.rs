@@ -11,7 +11,7 @@ use random_vibration::{
 use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
 use scene_runs::answers::Unknown;
 use scene_runs::clock::CpuClock;
-use scene_runs::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
+use scene_runs::kind::{Completed, Computed, Inputs, Output, Run, RunError, SceneKind};
 use scene_runs::machine::Machine;
 use scene_runs::models::edit;
 use scene_runs::result_file::ResultFile;
@@ -21,7 +21,7 @@ use vibrating_systems::ShearBuilding;
 
 use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;
-use crate::path_blocks::{Computed, PathBlocks};
+use crate::path_blocks::path_blocks;
 use crate::run::observed::Observed;
 use crate::run::record::{Content, Probability, Quantity, Series, WorkRecord};
 use crate::run::{answers, findings};
@@ -151,14 +151,13 @@ impl<'a> Passages<'a> {
         let study = paths.passage_study(question, &config).map_err(RunError::solver)?;
         self.cpu_seconds = clock.seconds();
         let compute = |blocks| study.blocks(blocks);
-        let blocks = PathBlocks { n_blocks: study.n_blocks(), compute: &compute };
-        let finished = match blocks.run(run, inputs)? {
-            Computed::All(finished) => finished,
+        let blocks = match path_blocks(run, inputs, study.n_blocks(), &compute)? {
+            Computed::Here(blocks) => blocks,
             Computed::Elsewhere(files) => return Ok(Some(files)),
         };
         self.path_steps = Some(study.path_steps());
-        self.cpu_seconds += finished.cpu_seconds;
-        let rows = study.estimates(&finished.blocks).map_err(RunError::solver)?;
+        self.cpu_seconds += blocks.cpu_seconds;
+        let rows = study.estimates(&blocks.list).map_err(RunError::solver)?;
         for (t, row) in self.scene.times.list().into_iter().zip(rows) {
             for (k, found) in row.into_iter().enumerate() {
                 self.push((k, t), found.map(|found| Observed::of_guided(t, &found)))?;
@@ -181,14 +180,13 @@ impl<'a> Passages<'a> {
         let paths = FreePassages::new(self.building, span, question, (n_paths, seed))
             .map_err(RunError::solver)?;
         let compute = |blocks| paths.blocks(blocks);
-        let blocks = PathBlocks { n_blocks: paths.n_blocks(), compute: &compute };
-        let finished = match blocks.run(run, inputs)? {
-            Computed::All(finished) => finished,
+        let blocks = match path_blocks(run, inputs, paths.n_blocks(), &compute)? {
+            Computed::Here(blocks) => blocks,
             Computed::Elsewhere(files) => return Ok(Some(files)),
         };
         self.path_steps = Some(paths.path_steps());
-        self.cpu_seconds = finished.cpu_seconds;
-        let rows = paths.estimates(&finished.blocks).map_err(RunError::solver)?;
+        self.cpu_seconds = blocks.cpu_seconds;
+        let rows = paths.estimates(&blocks.list).map_err(RunError::solver)?;
         for (t, row) in self.scene.times.list().into_iter().zip(rows) {
             for (k, estimate) in row.iter().enumerate() {
                 self.push((k, t), Ok(Observed::of_estimate(t, estimate)))?;

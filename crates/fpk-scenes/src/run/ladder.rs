@@ -6,7 +6,6 @@ use fpk_sph::Method as FpkMethod;
 use scene_runs::kind::RunError;
 use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
 use scene_runs::scene::{Scene, SceneFile};
-use serde::Serialize;
 
 use crate::integrator_scene::IntegratorScene;
 use crate::lattice_scene::{FilterScene, LatticeScene};
@@ -163,17 +162,11 @@ fn with_intervals(
     }
 }
 
-/// The scene key that selects a method.
-#[derive(Serialize)]
-struct Choice<'a> {
-    method: &'a MethodScene,
-}
-
 /// The rung of a method at a size; none if no scene may have it, such as a lattice of too many particles.
 fn of_method(scene: &FpkScene, size: f64, label: String, method: MethodScene) -> Option<Rung> {
     let scene = FpkScene { method, ..scene.clone() };
     scene.check().ok()?;
-    Rung::new((size, label), &scene, &bare(&scene), &Choice { method: &scene.method })
+    Rung::new((size, label), &scene, &bare(&scene), &["method"])
 }
 
 /// A number of particles along an axis.

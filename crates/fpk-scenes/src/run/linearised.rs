@@ -6,7 +6,6 @@ use scene_runs::clock::CpuClock;
 use scene_runs::kind::RunError;
 use sde_integrators::{Additive, Sde};
 
-use super::asked::{asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
@@ -46,7 +45,7 @@ impl Linearised<'_> {
         system: &dyn Sde<D, M, Noise = Additive>,
     ) -> Result<Outcome, RunError> {
         let Self { scene, system: named, step } = self;
-        let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
+        let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
         let order = order(named.kinks());
         let laws = |step| {
             let rule = Linearisation { order, step };

@@ -5,11 +5,10 @@ use scene_runs::answers::Unknown;
 use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Run, RunError};
 
-use super::asked::{OtherDimension, asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series, moment_words};
-use crate::scene::FpkScene;
+use crate::scene::{FpkScene, OtherDimension};
 use crate::system::System;
 
 /// Results at one time.
@@ -28,7 +27,7 @@ pub(super) fn solve(
 ) -> Result<Outcome, RunError> {
     let oscillator = system.oscillator().ok_or(OtherDimension { states: 2 });
     let oscillator = oscillator.map_err(RunError::solver)?;
-    let (law, asked) = (law::<2>(scene, system)?, asked::<2>(scene, system, false)?);
+    let (law, asked) = (scene.initial_law::<2>(system)?, scene.requested::<2>(system, false)?);
     let follow = |config: &GridConfig| -> Result<(Vec<Row>, u64), GridError> {
         let mut density = GridDensity::new(oscillator, &law, *config)?;
         let mut rows: Vec<Row> = Vec::with_capacity(asked.times.len());

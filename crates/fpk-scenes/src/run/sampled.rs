@@ -1,17 +1,17 @@
-//! Runs a density scene by Monte Carlo: shards in sequence, a part of them, or merged shards of other runs.
+//! Runs a density scene by Monte Carlo.
 
-use mpi_ensembles::Ranks;
+use std::ops::Range;
+
 use result_figures::number::with_uncertainty;
-use scene_runs::kind::{Cut, Inputs, Part, Run, RunError};
-use sde_integrators::{Estimate, GaussianMixture};
+use scene_runs::kind::{Computed, Cut, Ensemble, EnsemblePart, Inputs, Items, Run, RunError};
+use sde_integrators::{Estimate, ShardRecord, merge, merge_so_far};
 
-use super::asked::{asked, law};
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series, moment_words};
-use crate::density::Asked;
-use crate::monte_carlo::{self, SampledRow, SampledSoFar, Sampling, Shard};
-use crate::paths::Paths;
+use crate::density::Requested;
+use crate::monte_carlo::{SampledRow, SampledRun, Sampling, Shard, sampled_shard};
+use crate::paths::{Paths, PathsError};
 use crate::scene::FpkScene;
 use crate::system::{System, Visitor};
 
@@ -29,8 +29,6 @@ const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
 ///
 /// It takes a quarter of a second for the damper, long compared with the step tables made for each block.
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
-/// Name of the finished shards in a checkpoint.
-const SHARDS: &str = "shards";
 
 impl Visitor for Sampled<'_> {
     type Output = Result<Outcome, RunError>;
@@ -45,20 +43,32 @@ impl Sampled<'_> {
     fn sampled<const D: usize>(self, shard: Shard<'_, D>) -> Result<Outcome, RunError> {
         let Self { scene, system: named, ref sampling, run } = self;
         let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
-        let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
-        let so_far = match (run.part(), run.ranks()) {
-            (Part::Merged(files), _) => SampledSoFar::of(run.read_shards(inputs, files)?),
-            (_, Some(ranks)) => match self.on_ranks(shard, (&law, &asked), ranks, inputs)? {
-                Some(parts) => SampledSoFar::of(parts),
-                None => return Ok(Outcome { is_elsewhere: true, ..Outcome::default() }),
-            },
-            (Part::Whole | Part::Shard(_), None) => self.here(shard, (&law, &asked), inputs)?,
+        let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
+        // A separate shard is a whole number of the shards that are run in sequence.
+        let parts = match run.part() {
+            EnsemblePart::Shard(place) => place.n_shards(),
+            EnsemblePart::Whole | EnsemblePart::Merged(_) => 1,
         };
-        if let Part::Shard(place) = run.part() {
-            let files = vec![run.write_shard(inputs, *place, &so_far)?];
-            return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
-        }
-        let ensemble = so_far.run(&asked)?;
+        let compute = |shards: Range<u64>, n: u64| {
+            let one = |k| sampled_shard(shard, &law, sampling, &asked, (k, n));
+            Ok(shards.map(one).collect::<Result<Vec<_>, _>>()?)
+        };
+        let ensemble = Ensemble {
+            what: "paths",
+            n: sampling.paths.div_ceil(PATHS_OF_SHARD).div_ceil(parts) * parts,
+            n_on_ranks: Cut { n: sampling.paths, unit: PATHS_OF_BLOCK }.n_blocks(),
+            at_once: 1,
+            compute: &compute,
+            words: &|shards| words(scene, named, &asked, shards),
+        };
+        let Items { list, cpu_seconds } = match run.ensemble(inputs, &ensemble)? {
+            Computed::Here(shards) => shards,
+            Computed::Elsewhere(files) => {
+                return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
+            }
+        };
+        let merged = merge(&list).and_then(|all| all.ensemble()).map_err(PathsError::from)?;
+        let ensemble = SampledRun::of(&asked, &merged, cpu_seconds)?;
         let work = WorkRecord {
             path_steps: u64::try_from(ensemble.path_steps).ok(),
             cpu_seconds: ensemble.cpu_seconds,
@@ -73,69 +83,17 @@ impl Sampled<'_> {
         let quantities = asked_series(scene, named, &moment, &exceedance);
         Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
     }
-
-    /// Blocks sampled by the ranks of the job; `None` on ranks without the result.
-    fn on_ranks<const D: usize>(
-        &self,
-        shard: Shard<'_, D>,
-        (law, asked): (&GaussianMixture<D>, &Asked<D>),
-        ranks: &dyn Ranks,
-        inputs: &Inputs<'_, FpkScene>,
-    ) -> Result<Option<Vec<SampledSoFar>>, RunError> {
-        let Self { scene, system: named, sampling, run } = self;
-        let blocks = Cut { n: sampling.paths, unit: PATHS_OF_BLOCK };
-        let n = blocks.n_blocks();
-        let compute = |block: u64| {
-            let (shards, none) = ((block..block + 1, n), SampledSoFar::default());
-            monte_carlo::sample(shard, law, sampling, asked, shards, none, &mut |_| Ok(()))
-        };
-        let tell = |parts: &mut dyn Iterator<Item = &SampledSoFar>| {
-            words(scene, named, asked, &SampledSoFar::of(parts.cloned()))
-        };
-        run.on_ranks(ranks, inputs, n, &compute, &tell)
-    }
-
-    /// Runs the shards of this process in sequence, including those of a checkpoint.
-    fn here<const D: usize>(
-        &self,
-        shard: Shard<'_, D>,
-        (law, asked): (&GaussianMixture<D>, &Asked<D>),
-        inputs: &Inputs<'_, FpkScene>,
-    ) -> Result<SampledSoFar, RunError> {
-        let Self { scene, system: named, sampling, run } = self;
-        let checkpoint = run.checkpoint(inputs, &["/title"])?;
-        let past = checkpoint.part::<SampledSoFar>(SHARDS)?.unwrap_or_default();
-        // A separate shard is a whole number of the shards that are run in sequence.
-        let parts = match run.part() {
-            Part::Shard(place) => place.n_shards(),
-            Part::Whole | Part::Merged(_) => 1,
-        };
-        let each = sampling.paths.div_ceil(PATHS_OF_SHARD).div_ceil(parts);
-        let (range, n_shards) = (run.range(each * parts), each * parts);
-        let n = range.end - range.start;
-        let shards = (range, n_shards);
-        let pace = run.pace("paths");
-        pace.at(past.n_shards() as f64 / n as f64)?;
-        monte_carlo::sample(shard, law, sampling, asked, shards, past, &mut |so_far| {
-            let n_done = so_far.n_shards();
-            run.progress.at((n_done, n), || words(scene, named, asked, so_far));
-            let allowed = pace.at(n_done as f64 / n as f64);
-            if n_done == n || allowed.is_err() || checkpoint.is_due() {
-                checkpoint.keep(SHARDS, so_far)?;
-            }
-            Ok(allowed?)
-        })
-    }
 }
 
 /// Current estimate of the first moment of the scene, or else of the first exceedance, at the last time.
 fn words<const D: usize>(
     scene: &FpkScene,
     system: &System,
-    asked: &Asked<D>,
-    so_far: &SampledSoFar,
+    asked: &Requested<D>,
+    shards: &[ShardRecord],
 ) -> String {
-    let present = so_far.present(asked).ok().and_then(|mut run| run.rows.pop());
+    let merged = merge_so_far(shards).and_then(|all| all.ensemble()).ok();
+    let present = merged.and_then(|it| SampledRun::of(asked, &it, 0.0).ok()?.rows.pop());
     let Some(SampledRow { moments, exceedances, .. }) = present else { return String::new() };
     let told = |name: String, estimate: &Estimate| {
         let value = with_uncertainty(Some(estimate.value), estimate.standard_error());

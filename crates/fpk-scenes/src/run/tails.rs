@@ -6,15 +6,14 @@ use random_vibration::{
 };
 use scene_runs::answers::Unknown;
 use scene_runs::clock::CpuClock;
-use scene_runs::kind::{Inputs, Run, RunError};
+use scene_runs::kind::{Computed, Inputs, Run, RunError};
 use sde_integrators::{Error, GaussianMixture};
 
-use super::asked::{asked, law};
 use super::linearised::order;
 use super::observed::Observed;
 use super::outcome::Outcome;
 use super::record::{WorkRecord, asked_series};
-use crate::path_blocks::{Computed, PathBlocks};
+use crate::path_blocks::path_blocks;
 use crate::paths::{Paths, PathsError};
 use crate::scene::FpkScene;
 use crate::system::{System, Visitor};
@@ -91,7 +90,7 @@ impl TailsOf<'_> {
     ) -> Result<Outcome, RunError> {
         let Self { scene, system: named, run, step, seed, .. } = self;
         let inputs = &Inputs { scene, seed: Some(seed), files: &[] };
-        let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
+        let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
         let (times, thresholds) = (&asked.times, &asked.thresholds[..]);
         let each = steps(scene.times.every, step);
         let n_steps: Vec<usize> = (1..=times.len()).map(|k| k * each).collect();
@@ -107,21 +106,20 @@ impl TailsOf<'_> {
         let study = paths.exceedance_study(&question, &config).map_err(RunError::solver)?;
         let of_setup = clock.seconds();
         let compute = |blocks| study.blocks(blocks);
-        let blocks = PathBlocks { n_blocks: study.n_blocks(), compute: &compute };
-        let finished = match blocks.run(run, inputs)? {
-            Computed::All(finished) => finished,
+        let blocks = match path_blocks(run, inputs, study.n_blocks(), &compute)? {
+            Computed::Here(blocks) => blocks,
             Computed::Elsewhere(files) => {
                 return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
             }
         };
         let mut probabilities = self.probabilities();
-        let rows = study.estimates(&finished.blocks).map_err(RunError::solver)?;
+        let rows = study.estimates(&blocks.list).map_err(RunError::solver)?;
         for (&t, row) in times.iter().zip(rows) {
             for (k, found) in row.into_iter().enumerate() {
                 probabilities.push((k, t), found.map(|found| Observed::of_guided(t, &found)))?;
             }
         }
-        let cpu_seconds = of_setup + finished.cpu_seconds;
+        let cpu_seconds = of_setup + blocks.cpu_seconds;
         Ok(self.outcome(probabilities, (study.path_steps(), cpu_seconds)))
     }
 
@@ -135,7 +133,7 @@ impl TailsOf<'_> {
         run.no_shards()?;
         // A method without a checkpoint still refuses to start over another run.
         run.checkpoint(&Inputs { scene, seed: Some(seed), files: &[] }, &["/title"])?;
-        let (law, asked) = (law::<D>(scene, named)?, asked::<D>(scene, named, false)?);
+        let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
         let weights = std::array::from_fn(|k| asked.demand.weights[k]);
         let mut probabilities = self.probabilities();
         run.progress.stage(how.name());

@@ -17,7 +17,7 @@ use crack_inference::{
     Summaries,
 };
 use scene_runs::clock::CpuClock;
-use scene_runs::kind::{Completed, Inputs, Output, Part, Run, RunError, SceneKind};
+use scene_runs::kind::{Completed, EnsemblePart, Inputs, Output, Run, RunError, SceneKind};
 use scene_runs::result_file::ResultFile;
 use scene_runs::scene::{Objection, SceneFile};
 use sde_integrators::Noise;
@@ -92,7 +92,7 @@ impl From<SummaryError> for RunError {
 }
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
-    if *run.part() != Part::Whole {
+    if *run.part() != EnsemblePart::Whole {
         return Err(RunError::NoShards);
     }
     let (scene, space) = run.build::<InferenceScene>(file)?;

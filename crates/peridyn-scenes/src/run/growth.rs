@@ -4,7 +4,7 @@ use peridyn_sde::{Bonds, FinalState};
 use result_pages::Motion;
 use scene_runs::kind::RunError;
 
-use crate::held::LoadEnd;
+use crate::constraints::LoadEnd;
 use crate::scene::CrackScene;
 use crate::scene_problem::CrackProblem;
 

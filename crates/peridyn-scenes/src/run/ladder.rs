@@ -3,7 +3,6 @@
 use scene_runs::kind::RunError;
 use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, whole};
 use scene_runs::scene::SceneFile;
-use serde::Serialize;
 
 use crate::scene::{CrackScene, EnsembleScene, PrecisionScene};
 use crate::scene_dynamics::{BreakingScene, DynamicsScene, SchemeScene};
@@ -40,13 +39,6 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let ways = schemes.iter().flat_map(each);
     let methods = ways.map(|way| method(&scene, way)).collect();
     Ok(Ladder { methods, left_out: LEFT_OUT })
-}
-
-/// Keys that set a method and its size.
-#[derive(Serialize)]
-struct Choice<'a> {
-    dynamics: &'a DynamicsScene,
-    ensemble: &'a EnsembleScene,
 }
 
 fn scheme_words(scheme: SchemeScene) -> String {
@@ -90,9 +82,8 @@ fn method(
         scene.ensemble.realisations = realisations;
         let mut trial = scene.clone();
         trial.output.vtu.clear();
-        let choice = Choice { dynamics: &scene.dynamics, ensemble: &scene.ensemble };
         let label = format!("{realisations} realisations");
-        Rung::new((realisations as f64, label), &scene, &trial, &choice)
+        Rung::new((realisations as f64, label), &scene, &trial, &["dynamics", "ensemble"])
     };
     Method {
         name: format!("{name}, {lanes}"),

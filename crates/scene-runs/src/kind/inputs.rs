@@ -4,7 +4,7 @@ use result_figures::finite::JsonError;
 use serde::Serialize;
 
 use super::kind_run::Run;
-use super::part::Part;
+use super::part::EnsemblePart;
 use super::run_error::RunError;
 use crate::checkpoint::{Checkpoint, Head, Start};
 use crate::scene::NamedFile;
@@ -49,7 +49,9 @@ impl Run<'_> {
             return Ok(self.checkpoint.get_or_init(Checkpoint::in_memory));
         };
         let mut identity = inputs.identity(aside)?;
-        if let (Part::Shard(place), Some(identity)) = (self.part(), identity.as_object_mut()) {
+        if let (EnsemblePart::Shard(place), Some(identity)) =
+            (self.part(), identity.as_object_mut())
+        {
             identity.insert("shard".to_owned(), place.to_string().into());
         }
         let head = Head::new(self.solver, &identity, inputs.seed, inputs.files);

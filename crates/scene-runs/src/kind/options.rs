@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::part::Part;
+use super::part::EnsemblePart;
 use crate::checkpoint::Start;
 
 /// Options of a run.
@@ -18,7 +18,7 @@ pub struct Options {
     /// Minimum interval between two checkpoints.
     pub checkpoint_every: Duration,
     /// The whole ensemble, a shard of it, or the merge of shards.
-    pub part: Part,
+    pub part: EnsemblePart,
     /// A part of the run that would take longer, by what its first ten seconds have done, is refused; no limit if none. On ranks it
     /// does not count.
     pub longest: Option<Duration>,
@@ -31,7 +31,7 @@ impl Options {
     /// A run from the beginning with the seed of the scene, however long it takes.
     pub fn new(out: impl Into<PathBuf>) -> Self {
         let (seed, start) = (None, Start::Anew);
-        let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, Part::Whole);
+        let (checkpoint_every, part) = (Self::CHECKPOINT_EVERY, EnsemblePart::Whole);
         Self { out: out.into(), seed, start, checkpoint_every, part, longest: None }
     }
 }

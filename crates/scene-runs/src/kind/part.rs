@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// Part of an ensemble to compute.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Part {
+pub enum EnsemblePart {
     /// The whole ensemble.
     Whole,
     /// One shard, written to a file.

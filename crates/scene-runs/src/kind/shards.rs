@@ -8,14 +8,14 @@ use serde::de::DeserializeOwned;
 
 use super::inputs::Inputs;
 use super::kind_run::Run;
-use super::part::{Part, Place, ShardsError};
+use super::part::{EnsemblePart, Place, ShardsError};
 use super::run_error::RunError;
 use crate::checkpoint::{read_file, write_file};
 
 impl Run<'_> {
     /// Part of the ensemble to compute.
     #[must_use]
-    pub fn part(&self) -> &Part {
+    pub fn part(&self) -> &EnsemblePart {
         &self.options.part
     }
 
@@ -23,8 +23,8 @@ impl Run<'_> {
     #[must_use]
     pub fn range(&self, n: u64) -> Range<u64> {
         match &self.options.part {
-            Part::Shard(place) => place.of(n),
-            Part::Whole | Part::Merged(_) => 0..n,
+            EnsemblePart::Shard(place) => place.of(n),
+            EnsemblePart::Whole | EnsemblePart::Merged(_) => 0..n,
         }
     }
 
@@ -33,7 +33,7 @@ impl Run<'_> {
     /// # Errors
     /// [`RunError::NoShards`].
     pub fn no_shards(&self) -> Result<(), RunError> {
-        let is_whole = self.options.part == Part::Whole && self.ranks.is_none();
+        let is_whole = self.options.part == EnsemblePart::Whole && self.ranks.is_none();
         if is_whole { Ok(()) } else { Err(RunError::NoShards) }
     }
 
@@ -71,16 +71,16 @@ impl Run<'_> {
         Err(ShardsError::OtherContent { what, found, expected }.into())
     }
 
-    /// Reads the files of all shards of a scene, in any order.
+    /// The shards of a scene, whose files may be given in any order, if they are to be merged.
     ///
     /// # Errors
     /// [`RunError::Checkpoint`] for a file that is damaged, of another scene, or made with other files;
     /// [`RunError::Shards`] for a shard that is missing, duplicated, or of another division.
-    pub fn read_shards<T: DeserializeOwned>(
+    pub fn shards<T: DeserializeOwned>(
         &self,
         inputs: &Inputs<'_, impl Serialize>,
-        files: &[PathBuf],
-    ) -> Result<Vec<T>, RunError> {
+    ) -> Result<Option<Vec<T>>, RunError> {
+        let EnsemblePart::Merged(files) = self.part() else { return Ok(None) };
         let head = self.shard_head(inputs)?;
         let mut shards: Vec<(Place, T)> = Vec::new();
         for file in files {
@@ -104,7 +104,7 @@ impl Run<'_> {
         let missing = all.find(|place| shards.iter().all(|(found, _)| found != place));
         match missing {
             Some(place) => Err(ShardsError::Missing(place).into()),
-            None => Ok(shards.into_iter().map(|(_, content)| content).collect()),
+            None => Ok(Some(shards.into_iter().map(|(_, content)| content).collect())),
         }
     }
 }

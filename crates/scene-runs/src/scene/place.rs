@@ -1,4 +1,4 @@
-//! Positions of keys in the text: serde provides the path of an error, the syntax tree its position.
+//! Conversion of keys to a type, and positions of keys in the text: serde provides the path of an error, the syntax tree its position.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,12 +6,22 @@ use std::ops::Range;
 use jsonc_parser::ast::{Object, Value};
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
-use serde::de::IgnoredAny;
+use serde::de::{DeserializeOwned, IgnoredAny};
 
-use super::error::{Origin, SceneError};
+use super::error::{Objection, Origin, SceneError};
 use super::retired::{Retired, retired_at};
-use super::{Objection, WrongKey};
 use crate::nearest::nearest;
+
+/// A key that is unknown, missing or of another type, with its path.
+pub type WrongKey = serde_path_to_error::Error<serde_json::Error>;
+
+/// Parses keys as a type that implements `Deserialize`.
+///
+/// # Errors
+/// [`WrongKey`].
+pub fn read_keys<T: DeserializeOwned>(keys: &serde_json::Value) -> Result<T, WrongKey> {
+    serde_path_to_error::deserialize(keys)
+}
 
 /// Parses the keys of a scene as plain JSON.
 ///

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use proptest::prelude::*;
 use scenes::checkpoint::CheckpointError;
-use scenes::{ALL, Options, Part, Progress, RunError, run};
+use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
 use twox_hash::XxHash64;
 
 use super::changes::changes;
@@ -36,7 +36,7 @@ impl Ensemble {
         let scene = folder.join("scene.json");
         std::fs::write(&scene, text).unwrap();
         let [first, second] = ["1/2", "2/2"].map(|place| {
-            let part = Part::Shard(place.parse().unwrap());
+            let part = EnsemblePart::Shard(place.parse().unwrap());
             let options = Options { part, ..Options::new(folder.join("shards")) };
             run(ALL, &scene, &options, &Progress::silent()).unwrap().files.swap_remove(0)
         });
@@ -51,7 +51,7 @@ impl Ensemble {
         let _ = std::fs::remove_file(&file);
         std::fs::write(&file, first).unwrap();
         let options = Options {
-            part: Part::Merged(vec![file, self.second.clone()]),
+            part: EnsemblePart::Merged(vec![file, self.second.clone()]),
             ..Options::new(self.folder.join(format!("{name}-joined")))
         };
         run(ALL, &self.scene, &options, &Progress::silent()).map(|it| it.files)

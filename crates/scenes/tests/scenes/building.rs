@@ -2,7 +2,7 @@
 
 use mpi_ensembles::ThreadRank;
 use scenes::checkpoint::Start;
-use scenes::{ALL, Options, Part, Progress, RunError, SceneFile, check, run, run_on_ranks};
+use scenes::{ALL, EnsemblePart, Options, Progress, RunError, SceneFile, check, run, run_on_ranks};
 use serde_json::Value;
 
 use crate::fpk::{result_without_clock, run_in, whole_and_merged};
@@ -118,7 +118,7 @@ fn an_interrupted_run_resumes_with_the_bits_of_one_run_and_subset_simulation_has
     assert!(error.contains("is of another scene"), "{error}");
     let subset = "\"subset_simulation\": { \"samples\": 100, \"correlation\": 0.8, \"runs\": 2, \"step\": 0.02, \"seed\": 3 }";
     std::fs::write(folder.join("scene.json"), short(subset)).unwrap();
-    let part = Part::Shard("1/2".parse().unwrap());
+    let part = EnsemblePart::Shard("1/2".parse().unwrap());
     let options = Options { part, ..Options::new(&folder) };
     let error = run(ALL, &folder.join("scene.json"), &options, &Progress::silent()).unwrap_err();
     assert!(matches!(error, RunError::NoShards), "{error}");

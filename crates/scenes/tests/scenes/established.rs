@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use scenes::checkpoint::Start;
-use scenes::{ALL, Options, Part, Progress, RunError, run};
+use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
 use serde_json::Value;
 
 use crate::fpk::{run_in, whole_and_merged};
@@ -156,7 +156,7 @@ fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
     for method in [LINEARISED, SUBSET] {
         std::fs::write(&scene, by(method, "[1]")).unwrap();
         let options =
-            Options { part: Part::Shard("1/2".parse().unwrap()), ..Options::new(&folder) };
+            Options { part: EnsemblePart::Shard("1/2".parse().unwrap()), ..Options::new(&folder) };
         let error = run(ALL, &scene, &options, &Progress::silent()).unwrap_err();
         assert!(matches!(error, RunError::NoShards), "{error}");
     }

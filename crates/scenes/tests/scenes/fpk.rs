@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use scenes::checkpoint::Start;
-use scenes::{ALL, Options, Part, Progress, RunError, run};
+use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
 use serde_json::Value;
 
 /// A scene of a few particles and steps.
@@ -70,7 +70,7 @@ pub(crate) fn whole_and_merged(name: &str, text: &str, other: &str) -> [Value; 2
     let result = result_without_clock;
     run_in(&folder, text, Start::Anew).unwrap();
     let whole = result(&folder);
-    let run_part = |text: &str, part: Part, out: &str| {
+    let run_part = |text: &str, part: EnsemblePart, out: &str| {
         let scene = folder.join("scene.json");
         std::fs::write(&scene, text).unwrap();
         run(ALL, &scene, &Options { part, ..Options::new(folder.join(out)) }, &Progress::silent())
@@ -78,11 +78,15 @@ pub(crate) fn whole_and_merged(name: &str, text: &str, other: &str) -> [Value; 2
     };
     let shard = |text: &str, place: &str, out: &str| {
         let place = place.parse().unwrap();
-        run_part(text, Part::Shard(place), out).unwrap().remove(0)
+        run_part(text, EnsemblePart::Shard(place), out).unwrap().remove(0)
     };
     let files = ["1/3", "2/3", "3/3"].map(|place| shard(text, place, &place.replace('/', "-")));
     let merge = |files: &[&PathBuf]| {
-        run_part(text, Part::Merged(files.iter().map(|file| (*file).clone()).collect()), "merged")
+        run_part(
+            text,
+            EnsemblePart::Merged(files.iter().map(|file| (*file).clone()).collect()),
+            "merged",
+        )
     };
     // In any order.
     merge(&[&files[2], &files[0], &files[1]]).unwrap();

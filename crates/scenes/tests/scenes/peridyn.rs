@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use scenes::checkpoint::{CheckpointError, Start};
 use scenes::scene::SceneError;
-use scenes::{ALL, Options, Part, Progress, RunError, run};
+use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
 use tempfile::TempDir;
 
 /// A plate of 16 by 16 nodes with a field of strength and a little noise.
@@ -294,7 +294,7 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
     };
     let ran = run_text(&of(6));
     ran.result();
-    let second = Part::Shard("2/2".parse().unwrap());
+    let second = EnsemblePart::Shard("2/2".parse().unwrap());
     let shard = || Options { part: second.clone(), ..Options::new(ran.folder().join("shard")) };
     ran.again(&shard()).unwrap();
     for (n, options, words) in [
@@ -320,7 +320,7 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
 fn a_file_that_is_no_shard_is_refused_before_the_body_is_built() {
     let ran = run_text(&with(&[("\"z\": 0.9", "\"dt\": 1")]));
     assert!(matches!(&ran.written, Err(RunError::Scene(_))), "{:?}", ran.written);
-    let part = Part::Merged(vec![ran.folder().join("scene.json")]);
+    let part = EnsemblePart::Merged(vec![ran.folder().join("scene.json")]);
     let joined = ran.again(&Options { part, ..Options::new(ran.folder().join("joined")) });
     assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use scenes::checkpoint::{CheckpointError, Reason, Start};
-use scenes::{ALL, Options, Part, Progress, RunError, run};
+use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
 use serde_json::Value;
 use tempfile::TempDir;
 use twox_hash::XxHash64;
@@ -276,7 +276,7 @@ fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
     let (folder, whole) = run_text(&text);
     assert!(matches!(whole, Err(RunError::Solver(_))), "{whole:?}");
     let file = folder.path().join("scene.json");
-    let part = Part::Merged(vec![file.clone()]);
+    let part = EnsemblePart::Merged(vec![file.clone()]);
     let options = Options { part, ..Options::new(folder.path().join("joined")) };
     let joined = run(ALL, &file, &options, &Progress::silent());
     assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");

@@ -6,7 +6,7 @@ use random_fields::{
     Correlation, CorrelationFunction, RandomField, SpatialCorrelation, Truncation,
 };
 use scenes::checkpoint::Start;
-use scenes::{ALL, Options, Part, Progress, RunError, run};
+use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -226,7 +226,7 @@ fn what_multilevel_cannot_have_is_refused() {
         assert!(mistake.message.contains(words), "{}", mistake.message);
     }
     let folder = tempfile::tempdir().unwrap();
-    let part = Part::Shard("1/2".parse().unwrap());
+    let part = EnsemblePart::Shard("1/2".parse().unwrap());
     let options = Options { part, ..Options::new(folder.path().join("out")) };
     let refused = run_in(folder.path(), &on_grids(0.1, ""), &options);
     assert!(matches!(refused, Err(RunError::NoShardsOfAPlan)), "{refused:?}");

@@ -4,7 +4,6 @@ use result_figures::number::percent;
 use scene_runs::kind::RunError;
 use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
 use scene_runs::scene::SceneFile;
-use serde::Serialize;
 
 use super::solve::DIFFERENCE;
 use crate::method_scene::{DecisiveScene, MethodScene, MomentsScene, MultilevelScene};
@@ -56,18 +55,12 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
-/// Keys that set a method.
-#[derive(Serialize)]
-struct Choice {
-    method: MethodScene,
-}
-
 /// The scene by a method at one size. Trials use only the last time and write no fields.
 fn rung(scene: &SmpmScene, method: MethodScene, size: (f64, String)) -> Option<Rung> {
     let scene = SmpmScene { method, ..scene.clone() };
     let last = scene.times.last().copied();
     let trial = SmpmScene { fields: false, times: last.into_iter().collect(), ..scene.clone() };
-    Rung::new(size, &scene, &trial, &Choice { method })
+    Rung::new(size, &scene, &trial, &["method"])
 }
 
 const fn sampled(control: bool) -> MethodScene {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use result_figures::number::with_uncertainty;
 use scene_runs::checkpoint::{Checkpoint, CheckpointError};
 use scene_runs::clock::CpuClock;
-use scene_runs::kind::{Cut, Inputs, Part, Run, RunError};
+use scene_runs::kind::{Cut, EnsemblePart, Inputs, Run, RunError};
 use sde_integrators::Accumulator;
 use smpm::Plan;
 use smpm::uncertainty::{Design, Sampled, Study};
@@ -39,11 +39,9 @@ pub(super) fn shards<const D: usize>(
     plan: &Plan<D>,
     run: &Run<'_>,
 ) -> Result<Option<Responses>, RunError> {
-    let (Part::Merged(files), Some(design)) = (run.part(), scene.design()) else {
-        return Ok(None);
-    };
+    let Some(design) = scene.design() else { return Ok(None) };
     let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
-    let shards: Vec<Responses> = run.read_shards(inputs, files)?;
+    let Some(shards) = run.shards::<Responses>(inputs)? else { return Ok(None) };
     let samples: Responses = shards.into_iter().flatten().collect();
     for responses in samples.values() {
         Run::require("responses", responses.len(), plan.n_responses())?;
@@ -130,10 +128,10 @@ pub(super) fn sampled<const D: usize>(
     let sampled = study.sampled_from(design, range.clone(), &known, each, seen);
     let sampled = sampled.map_err(SolveError::of_runs)?;
     Ok(match run.part() {
-        Part::Shard(place) => {
+        EnsemblePart::Shard(place) => {
             Samples::Shard(run.write_shard(inputs, *place, &sampled.responses())?)
         }
-        Part::Whole | Part::Merged(_) => Samples::All(sampled, 0.0),
+        EnsemblePart::Whole | EnsemblePart::Merged(_) => Samples::All(sampled, 0.0),
     })
 }
 

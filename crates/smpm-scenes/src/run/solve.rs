@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use perturbation_moments::Jet;
 use scene_runs::checkpoint::Checkpoint;
-use scene_runs::kind::{Inputs, Part, Run, RunError};
+use scene_runs::kind::{EnsemblePart, Inputs, Run, RunError};
 use scene_runs::scene::Objection;
 use smpm::uncertainty::{FrozenForm, Sampled, Series, Study};
 use smpm::{Error, Plan, Simulation};
@@ -71,7 +71,7 @@ pub(super) fn checkpoint<'a>(
     scene: &SmpmScene,
     run: &'a Run<'_>,
 ) -> Result<Option<&'a Checkpoint>, RunError> {
-    if run.ranks().is_some() || matches!(run.part(), Part::Merged(_)) {
+    if run.ranks().is_some() || matches!(run.part(), EnsemblePart::Merged(_)) {
         return Ok(None);
     }
     let (seed, aside) = match scene.design() {

@@ -10,7 +10,7 @@ use random_vibration::{Linearisation, Quadrature};
 use result_figures::{
     Drawing, Line, Reference, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
 };
-use scenes::fpk::density::{Asked, Demand};
+use scenes::fpk::density::{Demand, Requested};
 use scenes::machine::Machine;
 use sde_integrators::{Shark, StrangOscillator};
 use vibrating_systems::StrangBoucWen;
@@ -275,7 +275,7 @@ fn exceedance(context: &Context<'_>) -> Result<Drawing, CaseError> {
     let problem = Problem::viscous_damper()?;
     context.progress("damper: exceedance over time");
     let thresholds = &problem.scene.thresholds;
-    let asked = Asked {
+    let asked = Requested {
         times: problem.scene.times.list(),
         powers: vec![],
         demand: Demand::displacement(),

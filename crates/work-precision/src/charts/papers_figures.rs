@@ -4,7 +4,7 @@ use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use result_figures::{
     Band, Drawing, Line, Plane, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
 };
-use scenes::fpk::density::{self, Asked, Demand, DensityRun};
+use scenes::fpk::density::{self, Demand, DensityRun, Requested};
 use scenes::fpk::plane_density::{PlaneDensity, plane_density};
 use scenes::machine::Machine;
 
@@ -101,7 +101,7 @@ pub(super) fn moments_of_canor_denoel() -> Result<Drawing, CaseError> {
     const TIMES: [f64; 6] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let problem = Problem::viscous_damper()?;
     let powers = [[2, 0], [0, 2]];
-    let asked = Asked {
+    let asked = Requested {
         times: (1..=60).map(|tenth| f64::from(tenth) / 10.0).collect(),
         powers: powers.to_vec(),
         demand: Demand::displacement(),
@@ -172,7 +172,7 @@ pub(super) fn density_of_canor_denoel() -> Result<Vec<Drawing>, CaseError> {
         reference_period: system.period(),
         most_steps: DEFAULT_MOST_STEPS,
     };
-    let asked = Asked {
+    let asked = Requested {
         times: vec![TIME],
         powers: vec![[2, 0, 0]],
         demand: Demand::displacement(),

@@ -1,6 +1,6 @@
 //! The built-in problems: each is a scene file, and has references.
 
-use fpk_scenes::density::{self, Asked, DensityRun};
+use fpk_scenes::density::{self, DensityRun, Requested};
 use fpk_scenes::monte_carlo::{self, SampledRun, Sampling, Shard};
 use fpk_scenes::paths::PathsError;
 use fpk_scenes::scene::FpkScene;
@@ -71,7 +71,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`Error`] where the run could not start.
-    pub fn density(&self, config: &Config<2>, asked: &Asked) -> Result<DensityRun, Error> {
+    pub fn density(&self, config: &Config<2>, asked: &Requested) -> Result<DensityRun, Error> {
         match self.system.clone() {
             Oscillator::Linear(system) => {
                 density::run_on(system, &self.law, config, asked, |_, _| ())
@@ -82,11 +82,15 @@ impl Problem {
         }
     }
 
-    /// Samples paths of it; [`Asked::cells`] has no meaning here.
+    /// Samples paths of it; [`Requested::cells`] has no meaning here.
     ///
     /// # Errors
     /// Those of [`monte_carlo::run_on`].
-    pub fn sampled(&self, sampling: &Sampling, asked: &Asked) -> Result<SampledRun, PathsError> {
+    pub fn sampled(
+        &self,
+        sampling: &Sampling,
+        asked: &Requested,
+    ) -> Result<SampledRun, PathsError> {
         match &self.system {
             Oscillator::Linear(system) => monte_carlo::run_on(system, &self.law, sampling, asked),
             Oscillator::Damper(system) => monte_carlo::run_on(system, &self.law, sampling, asked),
@@ -100,7 +104,7 @@ impl Problem {
     pub fn sampled_by_euler(
         &self,
         sampling: &Sampling,
-        asked: &Asked,
+        asked: &Requested,
     ) -> Result<SampledRun, PathsError> {
         let shard: Shard<'_, 2> = &|paths, place| match &self.system {
             Oscillator::Linear(system) => paths.shard(system, &EulerMaruyama, place),

@@ -2,7 +2,7 @@
 
 use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use result_figures::{ErrorKind, Reference};
-use scenes::fpk::density::{Asked, Demand, DensityRun, Exceedances, run_on};
+use scenes::fpk::density::{Demand, DensityRun, Exceedances, Requested, run_on};
 use scenes::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
 use scenes::fpk::paths::Paths;
 use scenes::fpk::scene::FpkScene;
@@ -37,7 +37,7 @@ pub(crate) const BOUC_WEN: Case = Case {
 struct Compared<'a, const D: usize> {
     run: DensityRun,
     sampled: SampledRun,
-    asked: Asked<D>,
+    asked: Requested<D>,
     lines: Lines<'a>,
 }
 
@@ -47,7 +47,7 @@ fn compare<'a, S: Paths<D, 1>, const D: usize>(
     (scene, built, system): (&FpkScene, &System, &S),
     lattice: InitialLattice<D>,
     sampling: &Sampling,
-    asked: Asked<D>,
+    asked: Requested<D>,
 ) -> Result<Compared<'a, D>, CaseError> {
     let law: GaussianMixture<D> = scene.initial.build(built.filter_covariance().as_deref())?;
     let config = Config {
@@ -159,7 +159,7 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let scene = scene("tests/scenes/fpk/damper_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
     let System::KanaiTajimiDamper(system) = &built else { return Err(OTHER.into()) };
-    let asked = Asked {
+    let asked = Requested {
         times: vec![1.0, 2.0, 3.0, 4.0],
         powers: vec![[2, 0, 0, 0], [0, 2, 0, 0]],
         demand: Demand::of_state(0, "q", 4),
@@ -197,7 +197,7 @@ fn bouc_wen(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let scene = scene("tests/scenes/fpk/bouc_wen_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
     let System::KanaiTajimiBoucWen(system) = &built else { return Err(OTHER.into()) };
-    let asked = Asked {
+    let asked = Requested {
         times: vec![1.0, 2.0, 3.0, 4.0],
         powers: vec![[2, 0, 0, 0, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0]],
         demand: Demand::of_state(0, "q", 5),

@@ -4,7 +4,7 @@ use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use reference_problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use reference_problems::fpk::methods::KANAI_TAJIMI_LATTICE;
 use result_figures::{ErrorKind, Reference};
-use scenes::fpk::density::{Asked, Demand, DensityRun, run_on};
+use scenes::fpk::density::{Demand, DensityRun, Requested, run_on};
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
@@ -61,7 +61,7 @@ fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         reference_period: built.reference_period(),
         most_steps: DEFAULT_MOST_STEPS,
     };
-    let asked = Asked {
+    let asked = Requested {
         times: times.to_vec(),
         powers: PAIRS.map(powers_of).to_vec(),
         demand: Demand::of_state(0, "q", 4),
@@ -176,7 +176,7 @@ where
             powers.push(std::array::from_fn(|k| u32::from(k == i) + u32::from(k == j)));
         }
     }
-    let asked = Asked {
+    let asked = Requested {
         times: times.to_vec(),
         powers,
         demand: Demand::of_state(0, "x1", D),

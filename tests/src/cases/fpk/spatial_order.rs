@@ -4,7 +4,7 @@ use fpk_sph::{Combination, Config, Estimator, InitialLattice, Method, Metric, Sc
 use reference_problems::fpk::problem::Problem;
 use reference_problems::order;
 use result_figures::{ErrorKind, Reference};
-use scenes::fpk::density::{Asked, Demand};
+use scenes::fpk::density::{Demand, Requested};
 
 use super::{POWERS, index_of};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
@@ -40,7 +40,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 fn errors(context: &Context<'_>, problem: &Problem) -> Result<Vec<(f64, f64)>, CaseError> {
     let reference = problem.reference.moment([2, 0], TIME).ok_or("no reference")?.value;
-    let asked = Asked {
+    let asked = Requested {
         times: vec![TIME],
         powers: POWERS.to_vec(),
         demand: Demand::displacement(),

@@ -5,7 +5,7 @@ use fpk_sph::{
     StepRule,
 };
 use result_figures::{ErrorKind, Reference};
-use scenes::fpk::density::{Asked, Demand, run_on};
+use scenes::fpk::density::{Demand, Requested, run_on};
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::StationaryOscillator;
@@ -109,7 +109,7 @@ impl Stationary<'_> {
         time: f64,
         thresholds: &[f64],
     ) -> Result<Vec<Claim>, CaseError> {
-        let asked = Asked {
+        let asked = Requested {
             times: vec![time],
             powers: vec![[2, 0], [0, 2], [4, 0]],
             demand: Demand::displacement(),

@@ -7,7 +7,6 @@ use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, who
 use scene_runs::models::Ingredient;
 use scene_runs::models::edit::{changed, ingredient, replace};
 use scene_runs::scene::SceneFile;
-use serde::Serialize;
 
 use crate::building::building_scene::{HysteresisScene, SoilScene};
 use crate::building::method_scene::BuildingMethod;
@@ -40,12 +39,6 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     Ok(Ladder { methods, left_out: LEFT_OUT })
 }
 
-/// The scene key that selects a method.
-#[derive(Serialize)]
-struct Choice<'a> {
-    method: &'a BuildingMethod,
-}
-
 fn by_samples(scene: &Arc<PassageScene>, method: BuildingMethod) -> Method {
     let [guided, free, of_level] = FIRST;
     let (name, first, standing) = match method {
@@ -69,7 +62,7 @@ fn by_samples(scene: &Arc<PassageScene>, method: BuildingMethod) -> Method {
         let until = scene.times.until;
         let bare = PassageScene { times: Times { until, every: until }, ..scene.clone() };
         let size = (n as f64, format!("{n} paths"));
-        Rung::new(size, &scene, &bare, &Choice { method: &scene.method })
+        Rung::new(size, &scene, &bare, &["method"])
     };
     let (name, growth) = (name.to_owned(), Growth::Samples);
     Method { name, growth, standing, first, rung: Box::new(rung) }

@@ -12,7 +12,7 @@ use scene_runs::scene::{Objection, SceneError, SceneFile};
 use serde::{Deserialize, Serialize};
 
 use crate::crack_inference::plate::{PlateAt, PlateModel};
-use crate::so_far::CracksSoFar;
+use crate::progress::CrackProgress;
 
 /// Name of the unfinished ensemble in a checkpoint.
 const UNDER_WAY: &str = "under way";
@@ -122,7 +122,7 @@ impl Ensembles<'_> {
         let PlateAt { scene, problem } = self.plate_at(series, point)?;
         let clock = CpuClock::start();
         let seconds = || before + clock.seconds();
-        let (past, n) = (CracksSoFar { run, halted }, range.end - range.start);
+        let (past, n) = (CrackProgress { run, halted }, range.end - range.start);
         series.at(number, past.n_ended() as f64 / n as f64)?;
         let goes_on = |part: Option<f64>| {
             !interrupt::is_requested() && part.is_none_or(|part| series.at(number, part).is_ok())

@@ -223,7 +223,7 @@ fn ranks_share_the_points_of_the_design_bitwise() {
 #[test]
 fn shards_and_ladders_are_refused_with_a_reason() {
     let ran = run_changed(&[]);
-    let part = Part::Shard("1/2".parse().unwrap());
+    let part = EnsemblePart::Shard("1/2".parse().unwrap());
     let shard = ran.again(&Options { part, ..Options::new(ran.folder().join("shard")) });
     assert!(matches!(shard, Err(RunError::NoShards)), "{shard:?}");
     let file = SceneFile::from_text("scene.json", INFERENCE.to_owned()).unwrap();

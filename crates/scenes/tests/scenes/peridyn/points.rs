@@ -205,10 +205,11 @@ fn neither_a_checkpoint_nor_a_shard_is_taken_after_the_file_of_points_was_change
     let hash = record["xxh64"].as_str().unwrap().to_owned();
 
     let out = |name: &str| Options::new(ran.folder().join(name));
-    let whole = Part::Shard("1/1".parse().unwrap());
+    let whole = EnsemblePart::Shard("1/1".parse().unwrap());
     let shards = ran.again(&Options { part: whole, ..out("shard") }).unwrap();
     let go_on = || ran.again(&Options { start: Start::GoOn, ..out("out") });
-    let merge = || ran.again(&Options { part: Part::Merged(shards.clone()), ..out("merged") });
+    let merge =
+        || ran.again(&Options { part: EnsemblePart::Merged(shards.clone()), ..out("merged") });
     go_on().unwrap();
     merge().unwrap();
     std::fs::write(ran.folder().join("points.csv"), csv("", &places(0.01), |_| String::new()))

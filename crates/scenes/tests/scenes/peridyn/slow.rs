@@ -1,6 +1,6 @@
 //! Loads that grow slowly, supports, laws of bonds.
 
-use scenes::Part;
+use scenes::EnsemblePart;
 
 use super::*;
 
@@ -71,11 +71,11 @@ fn a_slow_ensemble_has_the_same_bits_in_shards_and_after_a_checkpoint() {
     let ran = run_text(&text);
     let whole = ran.result();
     let shard = |k: u64| {
-        let part = Part::Shard(format!("{k}/2").parse().unwrap());
+        let part = EnsemblePart::Shard(format!("{k}/2").parse().unwrap());
         let out = ran.folder().join(format!("shard-{k}"));
         ran.again(&Options { part, ..Options::new(out) }).unwrap().remove(0)
     };
-    let part = Part::Merged([2, 1].map(shard).to_vec());
+    let part = EnsemblePart::Merged([2, 1].map(shard).to_vec());
     let merged = ran.again(&Options { part, ..Options::new(ran.folder().join("merged")) }).unwrap();
     let read = |path: &Path| -> serde_json::Value {
         serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()

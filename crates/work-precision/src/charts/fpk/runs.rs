@@ -11,7 +11,7 @@ use random_vibration::{
     TailPaths, Tails,
 };
 use result_figures::Reference;
-use scenes::fpk::density::{self, Asked, Demand, Erased};
+use scenes::fpk::density::{self, Demand, Erased, Requested};
 use scenes::fpk::monte_carlo::{self, Sampling};
 use scenes::fpk::paths::Paths;
 use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, SubsetConfig};
@@ -99,8 +99,8 @@ pub(super) struct Question<const D: usize> {
 }
 
 impl<const D: usize> Question<D> {
-    fn asked(&self, cells: bool) -> Asked<D> {
-        Asked {
+    fn asked(&self, cells: bool) -> Requested<D> {
+        Requested {
             times: self.times.clone(),
             powers: self.moments.iter().map(|(powers, _)| *powers).collect(),
             demand: Demand::of_state(0, "q", D),

@@ -1,0 +1,138 @@
+//! A value of a run with its error.
+
+use random_vibration::GuidedEstimate;
+use scene_runs::answers::{ErrorOrigin, Number};
+use sde_integrators::Estimate;
+use serde::Serialize;
+
+/// A quantity at a time, with its error.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Observed {
+    pub(crate) t: f64,
+    pub(crate) value: f64,
+    pub(crate) error: Option<f64>,
+    pub(crate) error_kind: ErrorOrigin,
+    /// A note on an unreliable value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) note: Option<String>,
+    /// How far the standard error of a weighted estimate can be trusted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) weights: Option<WeightsRecord>,
+}
+
+/// Weights of the paths that reached an event.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct WeightsRecord {
+    paths: u64,
+    hits: u64,
+    pub(crate) effective_sample_size: f64,
+    pub(crate) largest_share: f64,
+    strength: f64,
+}
+
+impl WeightsRecord {
+    /// Those of guided paths.
+    pub(crate) const fn of(found: &GuidedEstimate) -> Self {
+        Self {
+            paths: found.n_paths,
+            hits: found.n_hits,
+            effective_sample_size: found.effective_sample_size,
+            largest_share: found.largest_share,
+            strength: found.strength,
+        }
+    }
+}
+
+impl Observed {
+    /// A value with its error from a coarser run, if there was one.
+    pub(crate) fn by_two(t: f64, value: f64, error: Option<f64>) -> Self {
+        let error = error.filter(|error| error.is_finite());
+        let error_kind =
+            if error.is_some() { ErrorOrigin::TwoResolutions } else { ErrorOrigin::Unknown };
+        Self { t, value, error, error_kind, note: None, weights: None }
+    }
+
+    /// Results of a fine run with errors from the coarser runs.
+    ///
+    /// The error is the sum of `|fine - coarse| / divisor` over the coarser runs, each with its divisor, where all of
+    /// them reached the time. `pick` selects time and value.
+    pub(crate) fn of_runs<R>(
+        fine: &[R],
+        coarser: &[(Vec<R>, f64)],
+        pick: &dyn Fn(&R) -> (f64, f64),
+    ) -> Vec<Self> {
+        let observed = |(k, row)| {
+            let (t, value) = pick(row);
+            let off = |(run, divisor): &(Vec<R>, f64)| {
+                Some((value - pick(run.get(k)?).1).abs() / divisor)
+            };
+            Self::by_two(t, value, coarser.iter().map(off).sum())
+        };
+        fine.iter().enumerate().map(observed).collect()
+    }
+
+    /// Adds a probability that no particle carries to a known error.
+    pub(crate) fn may_lack(&mut self, outside: f64) {
+        let Some(error) = &mut self.error else { return };
+        if outside > *error {
+            self.error_kind = ErrorOrigin::Bound;
+        }
+        *error += outside;
+    }
+
+    /// A probability that is no larger than what the lattice left outside: their sum is a bound, and no more is known.
+    pub(crate) fn bounded_by(&mut self, outside: f64) {
+        (self.error, self.error_kind) = (Some(outside), ErrorOrigin::Bound);
+    }
+
+    /// A probability without an error where the estimate is zero; an error of zero would imply an exact value.
+    pub(crate) fn without_zero_error(mut self, note: &str) -> Self {
+        if self.value == 0.0 {
+            (self.error, self.error_kind) = (None, ErrorOrigin::Unknown);
+            self.note = Some(note.to_owned());
+        }
+        self
+    }
+
+    /// An estimate with its uncertainty.
+    pub(crate) fn of_estimate(t: f64, estimate: &Estimate) -> Self {
+        let Number { value, error, error_kind } = Number::from(*estimate);
+        Self { t, value, error, error_kind, note: None, weights: None }
+    }
+
+    /// An estimate of guided paths.
+    pub(crate) fn of_guided(t: f64, found: &GuidedEstimate) -> Self {
+        Self { weights: Some(WeightsRecord::of(found)), ..Self::of_estimate(t, &found.estimate) }
+    }
+
+    /// The value with its error.
+    pub(crate) const fn number(&self) -> Number {
+        Number { value: self.value, error: self.error, error_kind: self.error_kind }
+    }
+
+    /// The value, unless its error is as large.
+    pub(crate) fn known(&self) -> Option<f64> {
+        self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_count_of_nothing_is_known_to_what_the_lattice_left_outside() {
+        let mut zero = Observed::by_two(1.0, 0.0, Some(0.0));
+        zero.may_lack(1e-7);
+        assert_eq!((zero.error, zero.error_kind), (Some(1e-7), ErrorOrigin::Bound));
+        let mut large = Observed::by_two(1.0, 0.5, Some(0.01));
+        large.may_lack(1e-7);
+        assert_eq!((large.error, large.error_kind), (Some(0.0100001), ErrorOrigin::TwoResolutions));
+        let mut small = Observed::by_two(1.0, 1.7e-7, Some(1e-9));
+        small.bounded_by(2.5e-7);
+        assert_eq!((small.error, small.error_kind), (Some(2.5e-7), ErrorOrigin::Bound));
+        let mut unknown = Observed::by_two(1.0, 0.5, None);
+        unknown.may_lack(1e-7);
+        assert_eq!(unknown.error, None);
+    }
+}

@@ -1,0 +1,258 @@
+//! Result file of a run: quantities over time, each value with its error.
+
+use std::fmt;
+
+use scene_runs::answers::Unknown;
+use serde::{Serialize, Serializer};
+
+use super::super::resolutions::Resolutions;
+use super::observed::Observed;
+use crate::density::Exceedances;
+use crate::scene::FpkScene;
+use crate::system::System;
+
+/// Keys that this kind adds to the schema `run-result/1`.
+#[derive(Debug, Serialize)]
+pub(crate) struct Content {
+    pub(crate) seed: Option<u64>,
+    pub(crate) work: WorkRecord,
+    /// Why the run ended before its last time.
+    pub(crate) stopped: Option<String>,
+    /// Unknown errors, and why; nothing else is missing.
+    pub(crate) unknown: Vec<Unknown>,
+    pub(crate) quantities: Vec<Series>,
+}
+
+/// Work counters.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct WorkRecord {
+    pub(crate) particles: Option<usize>,
+    pub(crate) steps: Option<u64>,
+    pub(crate) evaluations: Option<u64>,
+    pub(crate) neighbour_visits: Option<u64>,
+    pub(crate) path_steps: Option<u64>,
+    pub(crate) cpu_seconds: f64,
+}
+
+/// A quantity over time.
+#[derive(Debug, Serialize)]
+pub(crate) struct Series {
+    #[serde(rename = "id", serialize_with = "as_text")]
+    pub(crate) of: Quantity,
+    pub(crate) quantity: String,
+    pub(crate) unit: String,
+    pub(crate) values: Vec<Observed>,
+}
+
+/// What a series is of. Its text is the id in `result.json`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Quantity {
+    /// The mean of a product of powers of the states.
+    Moment(Vec<u32>),
+    /// The probability that a demand is above a threshold.
+    Probability {
+        by: Probability,
+        threshold: f64,
+    },
+    TotalMass,
+    CellMass,
+    Entropy,
+}
+
+/// Estimators of a probability, the best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Probability {
+    /// First passages up to a time.
+    FirstPassage,
+    /// Exceedance at a time, integrated over cells.
+    Cell,
+    /// Interpolated between particles.
+    LogInterpolated,
+    /// By the only estimator of a method.
+    Exceedance,
+    /// Masses counted.
+    Indicator,
+}
+
+impl Probability {
+    pub(crate) const ALL: [Self; 5] =
+        [Self::FirstPassage, Self::Cell, Self::LogInterpolated, Self::Exceedance, Self::Indicator];
+
+    const fn id(self) -> &'static str {
+        match self {
+            Self::FirstPassage => "first-passage",
+            Self::Cell => "exceedance-cell",
+            Self::LogInterpolated => "exceedance-log-interpolated",
+            Self::Exceedance => "exceedance",
+            Self::Indicator => "exceedance-indicator",
+        }
+    }
+}
+
+impl Quantity {
+    /// The id by which a probability is compared, whatever its estimator.
+    pub(crate) fn shared_id(&self) -> String {
+        match *self {
+            Self::Probability { by, threshold } if by != Probability::FirstPassage => {
+                Self::Probability { by: Probability::Exceedance, threshold }.to_string()
+            }
+            _ => self.to_string(),
+        }
+    }
+
+    /// The estimator of a probability; none for another quantity.
+    pub(crate) const fn estimator(&self) -> Option<Probability> {
+        if let Self::Probability { by, .. } = self { Some(*by) } else { None }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Moment(powers) => {
+                let powers: Vec<String> = powers.iter().map(ToString::to_string).collect();
+                write!(formatter, "moment/{}", powers.join("-"))
+            }
+            Self::Probability { by, threshold } => write!(formatter, "{}/{threshold}", by.id()),
+            Self::TotalMass => formatter.write_str("total-mass"),
+            Self::CellMass => formatter.write_str("cell-mass"),
+            Self::Entropy => formatter.write_str("entropy"),
+        }
+    }
+}
+
+fn as_text<S: Serializer>(of: &Quantity, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(of)
+}
+
+/// Probabilities by the best estimator that the method has.
+pub(crate) fn best_probabilities(quantities: &[Series]) -> impl Iterator<Item = &Series> {
+    let best = quantities.iter().filter_map(|series| series.of.estimator()).min();
+    quantities.iter().filter(move |series| best.is_some() && series.of.estimator() == best)
+}
+
+/// Values of an exceedance by its estimator.
+type Estimator = (Probability, fn(&Exceedances) -> Option<f64>);
+
+const ESTIMATORS: [Estimator; 3] = [
+    (Probability::Cell, |e| e.cell_integrated),
+    (Probability::LogInterpolated, |e| Some(e.log_interpolated)),
+    (Probability::Indicator, |e| Some(e.indicator)),
+];
+
+/// All quantities of the scene, without those that the method does not compute.
+pub(in crate::run) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
+    let series = |of: Quantity, quantity: String, values| Series {
+        of,
+        quantity,
+        unit: String::new(),
+        values,
+    };
+    let mut all = Vec::new();
+    for (k, powers) in scene.moments.iter().enumerate() {
+        let values = both.values(|row| Some(row.moments[k]));
+        all.push(moment_series(powers, system, values));
+    }
+    let demand = demand_name(scene, system);
+    for (by, pick) in ESTIMATORS {
+        for (k, &threshold) in scene.thresholds.iter().enumerate() {
+            let mut values = both.values(|row| pick(&row.exceedances[k]));
+            for observed in &mut values {
+                let Some(row) = both.fine.at(observed.t) else { continue };
+                if by == Probability::Cell {
+                    observed.note.clone_from(&row.exceedances[k].note);
+                    // `Probability::Below`: a difference of runs says nothing of what no particle carries.
+                    if observed.value <= row.mass_outside {
+                        observed.bounded_by(row.mass_outside);
+                    }
+                } else {
+                    // Counts of masses end with the cloud; the fits of the cells go on beyond it.
+                    observed.may_lack(row.mass_outside);
+                }
+            }
+            let quantity = format!("P(|{demand}| > {threshold})");
+            all.push(series(Quantity::Probability { by, threshold }, quantity, values));
+        }
+    }
+    all.push(series(
+        Quantity::TotalMass,
+        "sum of the masses".into(),
+        both.values(|row| Some(row.total_mass)),
+    ));
+    all.push(series(
+        Quantity::CellMass,
+        "mass over the cells".into(),
+        both.values(|row| row.cell_mass),
+    ));
+    all.push(series(
+        Quantity::Entropy,
+        "entropy (nats)".into(),
+        both.values(|row| Some(row.entropy)),
+    ));
+    all.retain(|series| !series.values.is_empty());
+    all
+}
+
+/// Moments and exceedances of a scene by a method with one estimator.
+///
+/// `moment` and `exceedance` take indices in the lists of the scene. Quantities without a value are omitted.
+pub(crate) fn asked_series(
+    scene: &FpkScene,
+    system: &System,
+    moment: &dyn Fn(usize) -> Vec<Observed>,
+    exceedance: &dyn Fn(usize) -> Vec<Observed>,
+) -> Vec<Series> {
+    let moments = scene.moments.iter().enumerate();
+    let moments = moments.map(|(k, powers)| moment_series(powers, system, moment(k)));
+    let demand = demand_name(scene, system);
+    let exceedances = scene.thresholds.iter().enumerate().map(|(k, &threshold)| {
+        let quantity = format!("P(|{demand}| > {threshold})");
+        let of = Quantity::Probability { by: Probability::Exceedance, threshold };
+        Series { of, quantity, unit: String::new(), values: exceedance(k) }
+    });
+    moments.chain(exceedances).filter(|series| !series.values.is_empty()).collect()
+}
+
+fn moment_series(powers: &[u32], system: &System, values: Vec<Observed>) -> Series {
+    let of = Quantity::Moment(powers.to_vec());
+    let quantity = moment_words(powers, system.states());
+    Series { of, quantity, unit: moment_unit(powers, system.states()), values }
+}
+
+/// Unit of a moment, e.g. `m^2/s` of `E[q v]`; none of a process whose states have the unit of the user.
+pub(crate) fn moment_unit(powers: &[u32], states: &[&str]) -> String {
+    let (mut length, mut time) = (0, 0);
+    for (&power, state) in powers.iter().zip(states) {
+        match *state {
+            "xg" | "xf" => length += power,
+            state if state.starts_with(['q', 'z']) => length += power,
+            state if state.starts_with('v') => (length, time) = (length + power, time + power),
+            _ => return String::new(),
+        }
+    }
+    let power_of = |unit: &str, power: u32| match power {
+        1 => unit.to_owned(),
+        power => format!("{unit}^{power}"),
+    };
+    match (length, time) {
+        (0, _) => String::new(),
+        (length, 0) => power_of("m", length),
+        (length, time) => format!("{}/{}", power_of("m", length), power_of("s", time)),
+    }
+}
+
+/// Symbol of a moment, e.g. `E[q^2 v]`, without states to the power of zero.
+pub(crate) fn moment_words(powers: &[u32], states: &[&str]) -> String {
+    let factor = |(name, &power): (&&str, &u32)| match power {
+        0 => None,
+        1 => Some((*name).to_owned()),
+        _ => Some(format!("{name}^{power}")),
+    };
+    let factors: Vec<String> = states.iter().zip(powers).filter_map(factor).collect();
+    format!("E[{}]", factors.join(" "))
+}
+
+/// Name of the demand.
+pub(crate) fn demand_name(scene: &FpkScene, system: &System) -> String {
+    scene.demand(system.states()).map(|demand| demand.name).unwrap_or_default()
+}

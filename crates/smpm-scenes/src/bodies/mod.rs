@@ -1,0 +1,9 @@
+//! Bodies of a scene: their regions, filled with particles, and the grids below them.
+//!
+//! Regions and materials are as the scene states them. No run or answer is known here.
+
+pub(crate) mod geometry;
+pub(crate) mod grids;
+pub(crate) mod polygon;
+pub(crate) mod region;
+pub(crate) mod varying_body;

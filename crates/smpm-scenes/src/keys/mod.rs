@@ -1,0 +1,13 @@
+//! Keys of a scene of bodies: their types, units and checks.
+//!
+//! Types are as the JSON is written. They know no run, file or answer.
+
+pub(crate) mod coordinates;
+pub(crate) mod material_library;
+pub mod material_scene;
+pub(crate) mod material_schema;
+pub mod method_scene;
+pub mod quantity_name;
+pub mod random_field_scene;
+pub mod scene;
+pub(crate) mod unknown_name;

@@ -1,4 +1,4 @@
-//! Registers and elementary functions at every level: the same bits as scalars, and errors in units of the last place.
+//! Registers and elementary functions at every level: bitwise identical to scalars, and errors in units of the last place.
 
 #[path = "../shared/number.rs"]
 mod any_number;

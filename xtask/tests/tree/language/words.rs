@@ -50,14 +50,14 @@ pub(crate) const ENTRIES: &[Entry] = &[
 pub(crate) const VERBS: &[&str] = &[
     "act", "add", "advance", "affect", "allow", "appear", "apply", "are", "ascend", "ask", "be",
     "became", "become", "been", "begin", "being", "belong", "break", "came", "can", "cannot",
-    "carry", "change", "come", "contain", "cost", "could", "count", "depend", "did", "differ",
-    "do", "does", "draw", "end", "equals", "exceed", "excites", "exist", "fail", "find", "fix",
-    "follow", "get", "give", "gives", "go", "got", "has", "have", "hold", "holds", "ignore",
+    "carry", "change", "come", "contain", "cost", "costs", "could", "count", "depend", "did",
+    "differ", "do", "does", "draw", "end", "equals", "exceed", "excites", "exist", "fail", "find",
+    "fix", "follow", "get", "give", "gives", "go", "got", "has", "have", "hold", "holds", "ignore",
     "include", "is", "keep", "kept", "know", "let", "lie", "lose", "make", "makes", "may", "mean",
     "move", "must", "need", "needs", "panic", "ran", "reach", "read", "reads", "remain", "require",
-    "return", "run", "runs", "said", "save", "say", "see", "serve", "should", "show", "solves",
-    "start", "stay", "sum", "take", "takes", "took", "use", "uses", "vanish", "was", "went",
-    "were", "will", "win", "work", "would", "write",
+    "return", "returns", "run", "runs", "said", "save", "say", "see", "serve", "should", "show",
+    "solves", "start", "stay", "sum", "take", "takes", "took", "use", "uses", "vanish", "was",
+    "went", "were", "will", "win", "work", "would", "write",
 ];
 
 /// Words that end in `s` and are hardly ever verbs.

@@ -18,8 +18,8 @@ use self::runs::{
 use self::surface::SurfaceOf;
 use self::table::page;
 use crate::draw::ChartKind;
+use crate::problems::exceedance_surface::{ExceedanceSurface, SMALLEST};
 use reference_problems::context::{CaseError, Context};
-use reference_problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
 use reference_problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use reference_problems::fpk::methods::{
     BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR,

@@ -13,9 +13,9 @@ use serde::Serialize;
 use super::fpk::{cost_in_seconds, timed};
 use super::smpm::{outcome, table};
 use crate::draw::ChartKind;
+use crate::problems::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
+use crate::problems::work::Work;
 use reference_problems::context::{CaseError, Context, Profile};
-use reference_problems::smpm::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
-use reference_problems::work::Work;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-scheme",

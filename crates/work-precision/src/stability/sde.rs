@@ -6,10 +6,10 @@ use sde_integrators::{EnsembleConfig, EulerMaruyama, Observable, StateSpace, sim
 use super::axes::{linear, logarithmic, words};
 use super::{Boundary, Panel, Work};
 use crate::draw::ChartKind;
+use crate::problems::oscillator_limits as limits;
+use crate::problems::oscillator_limits::Limited;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::sde::linear::probe;
-use reference_problems::sde::oscillator_limits as limits;
-use reference_problems::sde::oscillator_limits::Limited;
 use reference_problems::sde::problems::{Cubic, Oscillator};
 
 pub(crate) const MAP: ChartKind = ChartKind {

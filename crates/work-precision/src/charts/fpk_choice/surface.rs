@@ -15,8 +15,8 @@ use sde_integrators::{Additive, Estimate, Integrator, Sde};
 use super::records::{Outcome, Quantity, Record};
 use super::runs::{GRIDS, LONG, Ladder, SUBSET_RUNS, Setting, guide_rule, rungs};
 use crate::charts::fpk::{group_thousands_u64, timed};
+use crate::problems::exceedance_surface::{ExceedanceSurface, SMALLEST};
 use reference_problems::context::{CaseError, Context};
-use reference_problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
 
 /// Name of the quantity.
 const SURFACE: &str = "surface";

@@ -8,9 +8,9 @@ use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words
 
 use super::point;
 use crate::draw::ChartKind;
+use crate::problems::lattice::{MODULUS, energy_of_middle};
 use crate::stability::axes::linear;
 use reference_problems::context::{CaseError, Context, Profile};
-use reference_problems::peridyn::lattice::{MODULUS, energy_of_middle};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-horizon",

@@ -9,9 +9,9 @@ use scenes::smpm::scene::{
 use smpm::Simulation;
 use smpm::uncertainty::{Experiment, Study};
 
-use super::problems::{Problem, experiment};
-use crate::context::CaseError;
-use crate::work::Work;
+use super::work::Work;
+use reference_problems::context::CaseError;
+use reference_problems::smpm::problems::{Problem, experiment};
 
 /// Shape functions with their names.
 pub const SHAPES: [(ShapeScene, &str); 2] =

@@ -5,7 +5,6 @@ use std::sync::{Mutex, PoisonError};
 
 use reference_problems::context;
 pub use reference_problems::context::{CaseError, Profile, Shared, SharedTypeError};
-use serde::Serialize;
 
 use crate::claim::Subject;
 use crate::report::Claim;
@@ -42,18 +41,6 @@ pub struct Context<'a> {
     inner: context::Context<'a>,
     /// What the case left out, and why.
     skipped: Mutex<Vec<String>>,
-    charts: Mutex<Vec<InlineChart>>,
-}
-
-/// A picture for the page of the report.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct InlineChart {
-    /// The case it belongs to.
-    pub case_id: String,
-    /// One line above the picture.
-    pub title: String,
-    /// The picture, `<svg ...>...</svg>`.
-    pub svg: String,
 }
 
 impl<'a> Deref for Context<'a> {
@@ -74,7 +61,7 @@ impl<'a> Context<'a> {
         progress: &'a (dyn Fn(&str) + Sync),
     ) -> Self {
         let inner = context::Context::new(id, profile, shared, progress);
-        Self { inner, skipped: Mutex::new(Vec::new()), charts: Mutex::new(Vec::new()) }
+        Self { inner, skipped: Mutex::new(Vec::new()) }
     }
 
     /// What a claim of this case is about; `name` follows the id of the case, e.g. `second-moment-q/t6`.
@@ -88,17 +75,10 @@ impl<'a> Context<'a> {
         self.skipped.lock().unwrap_or_else(PoisonError::into_inner).push(what_and_why.to_owned());
     }
 
-    /// Puts a picture on the page of the report, under this case.
-    pub fn show_chart(&self, title: &str, svg: String) {
-        let chart = InlineChart { case_id: self.id.into(), title: title.into(), svg };
-        self.charts.lock().unwrap_or_else(PoisonError::into_inner).push(chart);
-    }
-
-    /// What was skipped, and the pictures, in the order of the calls.
+    /// What was skipped, in the order of the calls.
     #[must_use]
-    pub fn into_parts(self) -> (Vec<String>, Vec<InlineChart>) {
-        let skipped = self.skipped.into_inner().unwrap_or_else(PoisonError::into_inner);
-        (skipped, self.charts.into_inner().unwrap_or_else(PoisonError::into_inner))
+    pub fn into_skipped(self) -> Vec<String> {
+        self.skipped.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -3,20 +3,15 @@
 //! A case is one file here and one line in [`ALL`].
 
 mod advice;
+mod estimates;
 mod estimators;
 mod fpk;
 mod lines;
-mod neighbour_search;
-mod particle_store;
 mod peridyn;
-mod perturbation_moments;
-mod random_fields;
 mod ranks;
 mod resume;
 mod scene_result;
 mod sde;
-mod sde_ensembles;
-mod smoothing_kernels;
 mod smpm;
 mod worst;
 
@@ -55,9 +50,6 @@ pub const ALL: &[Case] = &[
     fpk::passage_benchmarks::CASE,
     fpk::reliability_benchmarks::CASE,
     fpk::spatial_order::CASE,
-    fpk::time_schemes::CASE,
-    fpk::invariance::CASE,
-    fpk::failures::CASE,
     smpm::elastic_bar::CASE,
     smpm::disks::CASE,
     smpm::shock_tubes::CASE,
@@ -67,8 +59,6 @@ pub const ALL: &[Case] = &[
     smpm::taylor_bar::QUARTER,
     smpm::taylor_bar::BENCHMARK,
     smpm::taylor_bar::PREDICTED,
-    smpm::return_mapping::CASE,
-    smpm::johnson_cook_point::CASE,
     smpm::contact_explosion::DIFFERENCES,
     smpm::contact_explosion::SAMPLES,
     smpm::sobol_points::CASE,
@@ -85,18 +75,11 @@ pub const ALL: &[Case] = &[
     smpm::published_tables::CASE,
     smpm::edges::CASE,
     smpm::paper_size::CASE,
-    peridyn::forces::CASE,
-    peridyn::state_based::CASE,
     peridyn::equilibrium::CASE,
     peridyn::nonlinear_equilibrium::CASE,
     peridyn::one_bond::CASE,
     peridyn::breaking::LATTICE,
     peridyn::breaking::BACKGROUND,
-    peridyn::lattice::CASE,
-    peridyn::rest::CASE,
-    peridyn::dispersion::CASE,
-    peridyn::memory::CASE,
-    peridyn::note::CASE,
     peridyn::kalthoff_winkler::CASE,
     peridyn::branching::CASE,
     peridyn::two_notches::CASE,
@@ -110,20 +93,10 @@ pub const ALL: &[Case] = &[
     peridyn::quasi_static::CASE,
     peridyn::slow_scenes::CASE,
     peridyn::concrete::CASE,
-    smoothing_kernels::CASE,
-    neighbour_search::CASE,
-    particle_store::CASE,
     estimators::multilevel::CASE,
     estimators::coverage::CASE,
     estimators::rare_events::CASE,
     estimators::random_field_beam::CASE,
-    random_fields::expansion::CASE,
-    random_fields::covariance::CASE,
-    random_fields::conditioning::CASE,
-    perturbation_moments::reference::CASE,
-    perturbation_moments::trust::CASE,
-    perturbation_moments::judge::CASE,
-    sde::normals::CASE,
     sde::orders::ADDITIVE,
     sde::orders::DIAGONAL,
     sde::orders::SECOND_ORDER,
@@ -132,9 +105,6 @@ pub const ALL: &[Case] = &[
     sde::explosion::CASE,
     sde::oscillator_bias::CASE,
     sde::oscillator_ensemble::CASE,
-    sde_ensembles::reproducibility::CASE,
-    sde_ensembles::first_passage::CASE,
-    sde_ensembles::rare_events::CASE,
     resume::CASE,
     ranks::CASE,
     advice::CASE,

@@ -100,7 +100,7 @@ impl Claim {
             error_kind: kind,
             tolerance: finite(verdict.tolerance),
             passed: verdict.objection.is_none() && unusable.is_none(),
-            kind: Some(criterion.kind(kind, measured, reference)),
+            kind: criterion.kind(kind, measured, reference),
             reason: with_objection(verdict.reason, unusable.or(verdict.objection)),
         }
     }
@@ -144,7 +144,7 @@ impl Claim {
             error_kind: ErrorKind::Absolute,
             tolerance: None,
             passed: objection.is_none(),
-            kind: Some(ClaimKind::RegressionBound),
+            kind: ClaimKind::RegressionBound,
             reason: with_objection(
                 format!("{REGRESSION_BOUND}value in [{from}, {to}]: {reason}"),
                 objection,
@@ -162,7 +162,7 @@ impl Claim {
     ) -> Self {
         let error = (n_different as f64, 0.0);
         let mut claim = Self::within(subject, ErrorKind::Absolute, error, 0.0, reason);
-        claim.kind = Some(ClaimKind::Structural);
+        claim.kind = ClaimKind::Structural;
         claim.reason = format!("{} ({n_compared} values compared)", claim.reason);
         if n_compared == 0 {
             claim.passed = false;
@@ -175,27 +175,14 @@ impl Claim {
     /// Equal bits and counts (an absolute tolerance of zero about an exact whole number) are structural without it.
     #[must_use]
     pub fn structural(mut self) -> Self {
-        self.kind = Some(ClaimKind::Structural);
+        self.kind = ClaimKind::Structural;
         self
-    }
-
-    /// What kind of statement it is; for a claim of a report without kinds, a regression bound by its reason, else accuracy.
-    #[must_use]
-    pub fn kind(&self) -> ClaimKind {
-        let by_reason = || {
-            if self.reason.starts_with(REGRESSION_BOUND) {
-                ClaimKind::RegressionBound
-            } else {
-                ClaimKind::Accuracy
-            }
-        };
-        self.kind.unwrap_or_else(by_reason)
     }
 
     /// Whether it is a regression bound: it says how wrong a method is.
     #[must_use]
     pub fn is_regression_bound(&self) -> bool {
-        self.kind() == ClaimKind::RegressionBound
+        self.kind == ClaimKind::RegressionBound
     }
 
     /// Whether its tolerance is over ten times the error seen and its reason does not begin with `roundoff: `, `statistics: `
@@ -250,7 +237,7 @@ impl Claim {
             tolerance: None,
             reason: format!("error: {message}"),
             passed: false,
-            kind: Some(ClaimKind::Structural),
+            kind: ClaimKind::Structural,
         }
     }
 }

@@ -7,7 +7,6 @@ pub mod case;
 pub mod cases;
 pub mod claim;
 pub mod peridyn;
-pub mod perturbation_moments;
 pub mod report;
 pub mod smpm;
 pub mod verify;

@@ -2,4 +2,3 @@
 
 pub mod concrete;
 pub mod plate;
-pub mod rest;

@@ -47,8 +47,7 @@ pub struct CaseRecord {
     pub source: String,
     /// Wall time (s).
     pub seconds: f64,
-    /// CPU time of all threads (s); what several cases share counts in the first that asks. 0 in reports without it.
-    #[serde(default)]
+    /// CPU time of all threads (s); what several cases share counts in the first that asks.
     pub cpu_seconds: f64,
     /// What was claimed.
     pub claims: Vec<Claim>,
@@ -89,9 +88,8 @@ pub struct Claim {
     pub reason: String,
     /// The verdict.
     pub passed: bool,
-    /// What kind of statement it is. Absent in reports older than the key: see [`Claim::kind`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub kind: Option<ClaimKind>,
+    /// What kind of statement it is.
+    pub kind: ClaimKind,
 }
 
 /// What kind of statement a claim is.
@@ -140,7 +138,7 @@ impl Counts {
         let mut counts = Self::default();
         for claim in claims {
             counts.loose += usize::from(claim.is_loose());
-            let count = match claim.kind() {
+            let count = match claim.kind {
                 _ if !claim.passed => &mut counts.failed,
                 ClaimKind::Accuracy => &mut counts.accuracy,
                 ClaimKind::Structural => &mut counts.structural,
@@ -272,27 +270,6 @@ mod tests {
         assert!(text.contains("\"standard_error\": null"), "{text}");
         assert!(text.contains("\"profile\": \"quick\""), "{text}");
         assert!(text.contains("\"kind\": \"accuracy\""), "{text}");
-    }
-
-    #[test]
-    fn a_report_without_kinds_is_read_and_its_kinds_are_found() {
-        let mut report = sample();
-        let bound = Claim::as_measured(
-            Subject::new("self-check/pi/steps", "steps", "", "by hand"),
-            result_figures::Measured::exact(3.0),
-            2.0,
-            4.0,
-            "counted",
-        );
-        report.cases[0].claims.push(bound);
-        let mut value = serde_json::to_value(&report).unwrap();
-        for claim in value["cases"][0]["claims"].as_array_mut().unwrap() {
-            claim.as_object_mut().unwrap().remove("kind");
-        }
-        let read: Report = serde_json::from_value(value).unwrap();
-        let kinds: Vec<ClaimKind> = read.claims().map(Claim::kind).collect();
-        assert_eq!(kinds, [ClaimKind::Accuracy, ClaimKind::RegressionBound]);
-        assert_eq!(read.counts(), report.counts());
     }
 
     #[test]

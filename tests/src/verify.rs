@@ -1,12 +1,11 @@
 //! The proof: runs the cases, prints their verdicts, writes the report.
 
-mod fingerprint;
 mod numbers;
-mod page;
 mod progress;
 mod recorded;
 mod run;
 mod select;
+mod stale;
 mod table;
 
 use std::io::Write;
@@ -16,13 +15,11 @@ use reference_problems::record::{self, RecordError, Recording};
 use result_figures::finite::{self, JsonError};
 use result_figures::number;
 
-pub use self::fingerprint::{Change, Fingerprint, SourceError};
 pub use self::numbers::render_numbers;
-pub use self::page::render_page;
-pub use self::recorded::render_record;
-pub use self::run::{Outcome, run_cases};
+pub use self::recorded::render_page;
+pub use self::run::run_cases;
 pub use self::select::{TableError, check_table, select};
-pub use self::table::{Rows, Style, write_failures, write_loose, write_summary};
+pub use self::table::{Rows, Style, write_loose, write_summary};
 use crate::case::{Case, Profile};
 use crate::report::Report;
 
@@ -33,7 +30,7 @@ pub struct Options {
     pub filters: Vec<String>,
     /// How much is run.
     pub profile: Profile,
-    /// Where `report.json` and `index.html` go.
+    /// Where `report.json` and `report.md` go.
     pub out: PathBuf,
     /// A second copy of the report.
     pub json: Option<PathBuf>,
@@ -92,9 +89,6 @@ pub enum VerifyError {
     /// The report holds a number that is not finite.
     #[error("the report cannot be written")]
     Json(#[from] JsonError),
-    /// The page could not be made.
-    #[error("the page of the report cannot be made")]
-    Page(#[from] minijinja::Error),
     /// The report cannot be recorded.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -108,10 +102,7 @@ pub enum VerifyError {
         /// Id, error, tolerance and reason of each.
         claims: Vec<String>,
     },
-    /// What the report is made from cannot be read.
-    #[error("what the proof is made from cannot be read")]
-    Source(#[from] SourceError),
-    /// The recorded page cannot be read.
+    /// The record cannot be read.
     #[error("cannot read {}", .path.display())]
     Read {
         /// Which file.
@@ -140,28 +131,23 @@ pub fn verify(
 ) -> Result<Report, VerifyError> {
     check_table(cases)?;
     let selected = select(cases, &options.filters, options.profile)?;
-    // What is run was built from what is there now.
-    let recorded = recorded(cases, options)?;
+    let recorded = recorded(options)?;
     let style = Style::of_terminal(options.rows);
-    let outcome = run_cases(&selected, options.profile, style, output).map_err(to_terminal)?;
-    let report = outcome.report;
+    let report = run_cases(&selected, options.profile, style, output).map_err(to_terminal)?;
     write_file(&options.out.join("report.json"), &finite::to_json(&report)?)?;
-    write_file(&options.out.join("index.html"), &render_page(&report, &outcome.charts)?)?;
+    let page = render_page(&report);
+    write_file(&options.out.join("report.md"), &page)?;
     if let Some(path) = &options.json {
         write_file(path, &finite::to_json(&report)?)?;
-    }
-    if options.rows == Rows::Claims {
-        write_failures(&report, output).map_err(to_terminal)?;
     }
     if options.loose == Loose::Listed {
         write_loose(&report, output).map_err(to_terminal)?;
     }
-    writeln!(output, "report: {}", options.out.join("index.html").display())
-        .map_err(to_terminal)?;
+    writeln!(output, "report: {}", options.out.join("report.md").display()).map_err(to_terminal)?;
     write_summary(&report, output).map_err(to_terminal)?;
-    if let Some((path, fingerprint)) = &recorded {
+    if let Some(path) = &recorded {
         refuse_loose(&report)?;
-        write_file(path, &render_record(&report, fingerprint))?;
+        write_file(path, &page)?;
         write_file(&path.with_extension("json"), &render_numbers(&report))?;
     }
     Ok(report)
@@ -178,49 +164,35 @@ fn have(count: usize) -> String {
     format!("{} {}", number::counted(count, "claim"), if count == 1 { "has" } else { "have" })
 }
 
-/// Where the report is recorded, and what it is made from.
-fn recorded(
-    cases: &[Case],
-    options: &Options,
-) -> Result<Option<(PathBuf, Fingerprint)>, VerifyError> {
+/// Where the report is recorded.
+fn recorded(options: &Options) -> Result<Option<PathBuf>, VerifyError> {
     let Recording::On(root) = &options.recording else { return Ok(None) };
     if let Some(filter) = options.filters.first() {
         return Err(RecordError::Part { filter: filter.clone() }.into());
     }
-    Ok(Some((record::verification(root), Fingerprint::read(root, cases, options.profile)?)))
+    Ok(Some(record::verification(root)))
 }
 
-/// Prints whether the recorded proof of the workspace at `root` was made from other cases, scenes or references than there are.
+/// Prints whether the recorded proof of the workspace at `root`, of the default profile, was made from other cases, scenes or
+/// references than there are.
 ///
 /// # Errors
-/// [`VerifyError`] if the page or what it is made from cannot be read.
+/// [`VerifyError`] if the record cannot be read.
 pub fn stale(cases: &[Case], root: &Path, output: &mut dyn Write) -> Result<(), VerifyError> {
-    let path = record::verification(root);
+    let path = record::verification(root).with_extension("json");
     let name = path.strip_prefix(root).unwrap_or(&path).display().to_string();
     let verdict = match std::fs::read_to_string(&path) {
-        Ok(page) => verdict(&page, &name, cases, root)?,
+        Ok(text) => {
+            let of_profile = cases.iter().filter(|case| case.cost <= Profile::Default);
+            let ids = of_profile.map(|case| case.id.to_owned()).collect();
+            stale::verdict(&text, &name, &ids, root)
+        }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             format!("warning: {name} does not exist; `cargo xtask verify --record` writes it")
         }
         Err(source) => return Err(VerifyError::Read { path, source }),
     };
     writeln!(output, "{verdict}").map_err(to_terminal)
-}
-
-fn verdict(page: &str, name: &str, cases: &[Case], root: &Path) -> Result<String, SourceError> {
-    /// More than these are counted.
-    const NAMED: usize = 12;
-    let Some(recorded) = Fingerprint::find(page) else {
-        return Ok(format!("warning: {name} is stale: it does not say what it was made from"));
-    };
-    let changes = recorded.changes(&Fingerprint::read(root, cases, recorded.profile())?);
-    if changes.is_empty() {
-        return Ok(format!("{name} is up to date with cases, scenes and references"));
-    }
-    let named: Vec<String> = changes.iter().take(NAMED).map(ToString::to_string).collect();
-    let rest = changes.len().saturating_sub(NAMED);
-    let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
-    Ok(format!("warning: {name} is stale: {}{more}", named.join(", ")))
 }
 
 /// Prints id, smallest profile and title of what `filters` select in any profile.
@@ -329,7 +301,7 @@ mod tests {
         let written = std::fs::read_to_string(out.join("report.json")).unwrap();
         assert_eq!(serde_json::from_str::<Report>(&written).unwrap(), report);
         assert_eq!(std::fs::read_to_string(json).unwrap(), written);
-        assert!(std::fs::read_to_string(out.join("index.html")).unwrap().contains("4 of accuracy"));
+        assert!(std::fs::read_to_string(out.join("report.md")).unwrap().contains("4 of accuracy"));
         std::fs::remove_dir_all(&out).unwrap();
         // For the eye: `cargo test -p verification rows -- --nocapture`.
         print!("{text}");
@@ -347,18 +319,19 @@ mod tests {
         }
     }
 
-    fn said_of(root: &Path, cases: &[Case]) -> String {
-        let mut output = Vec::new();
-        stale(cases, root, &mut output).unwrap();
-        String::from_utf8(output).unwrap()
+    /// A folder for the documents of a workspace.
+    fn workspace(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("{name}-{}", std::process::id()))
     }
 
     #[test]
-    fn a_recorded_proof_is_stale_as_soon_as_what_it_is_made_from_changes() {
-        let root = fingerprint::tests::workspace("verify-stale");
+    fn a_recorded_proof_has_a_page_and_its_numbers() {
+        let root = workspace("verify-record");
+        let mut output = Vec::new();
+        stale(&CASES, &root, &mut output).unwrap();
         assert_eq!(
-            said_of(&root, &CASES),
-            "warning: docs/verification.md does not exist; `cargo xtask verify --record` writes it\n"
+            String::from_utf8(output).unwrap(),
+            "warning: docs/verification.json does not exist; `cargo xtask verify --record` writes it\n"
         );
         verify(&CASES, &recording(&root, &[]), &mut Vec::new()).unwrap();
         let page = std::fs::read_to_string(root.join("docs/verification.md")).unwrap();
@@ -369,15 +342,6 @@ mod tests {
         let numbers = std::fs::read_to_string(root.join("docs/verification.json")).unwrap();
         let numbers: serde_json::Value = serde_json::from_str(&numbers).unwrap();
         assert_eq!(numbers["claims"].as_object().unwrap().len(), 5);
-        assert_eq!(
-            said_of(&root, &CASES),
-            "docs/verification.md is up to date with cases, scenes and references\n"
-        );
-        fingerprint::tests::write(&root, "scenes/a.json", "{ }");
-        assert_eq!(
-            said_of(&root, &CASES[..1]),
-            "warning: docs/verification.md is stale: case self-check/stops removed, tests/scenes/a.json changed\n"
-        );
         std::fs::remove_dir_all(&root).unwrap();
     }
 
@@ -392,7 +356,7 @@ mod tests {
             },
             ..CASES[0]
         }];
-        let root = fingerprint::tests::workspace("verify-loose");
+        let root = workspace("verify-loose");
         let options = Options { loose: Loose::Listed, ..recording(&root, &[]) };
         let mut output = Vec::new();
         let error = verify(&cases, &options, &mut output).unwrap_err();
@@ -408,14 +372,13 @@ mod tests {
 
     #[test]
     fn a_part_of_the_proof_is_not_recorded() {
-        let root = fingerprint::tests::workspace("verify-part");
+        let root = workspace("verify-part");
         let error = verify(&CASES, &recording(&root, &["damper"]), &mut Vec::new()).unwrap_err();
         assert_eq!(
             error.to_string(),
             "the proof is recorded as a whole, not the part that `damper` selects"
         );
-        assert!(!root.join("docs").exists());
-        std::fs::remove_dir_all(&root).unwrap();
+        assert!(!root.exists());
     }
 
     #[test]

@@ -9,8 +9,7 @@
 /// deviations of 0.3 it is 0.006 while the variance is wrong by 32 %, which $\tau = 0.31$ indicates. Neither detects a
 /// kink away from the centre; the sigma-point ratio does if a direction $L e_k$ crosses it.
 ///
-/// None of them is a bound. The verification tabulates how often they were right on the reference cases
-/// (`perturbation-moments/trust`).
+/// None of them is a bound. The README tabulates how often they were right on 49 reference cases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub struct Trust {

@@ -4,4 +4,5 @@ pub mod charts;
 pub mod cli;
 pub mod draw;
 pub mod overview;
+pub mod problems;
 pub mod stability;

@@ -18,8 +18,8 @@ use result_figures::{
 use scenes::causes::with_causes;
 use serde::{Deserialize, Serialize};
 
+use crate::problems::work::Work;
 use reference_problems::context::CaseError;
-use reference_problems::work::Work;
 
 /// Number of points on the line of a boundary.
 const BOUNDARY_POINTS: u32 = 120;

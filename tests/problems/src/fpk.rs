@@ -1,6 +1,5 @@
 //! Density problems and their references.
 
-pub mod exceedance_surface;
 pub mod linear_moments;
 pub mod methods;
 pub mod mixture;

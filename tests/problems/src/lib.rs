@@ -12,4 +12,3 @@ pub mod quantile;
 pub mod record;
 pub mod sde;
 pub mod smpm;
-pub mod work;

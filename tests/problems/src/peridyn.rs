@@ -2,8 +2,6 @@
 
 pub mod background;
 pub mod first_passage;
-pub mod lattice;
-pub mod memory;
 pub mod network;
 pub mod nonlinear;
 pub mod notched_plate;

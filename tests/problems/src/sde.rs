@@ -7,7 +7,6 @@ pub mod damper;
 pub mod linear;
 pub mod methods;
 pub mod orders;
-pub mod oscillator_limits;
 pub mod problems;
 pub mod quadrature;
 pub mod reference;

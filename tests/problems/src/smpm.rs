@@ -1,5 +1,4 @@
-//! Explosions and impacts, and the table of schemes.
+//! Explosions and impacts, and the tables of the source.
 
 pub mod problems;
 pub mod published;
-pub mod schemes;

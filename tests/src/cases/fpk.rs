@@ -5,13 +5,11 @@ pub(crate) mod bouc_wen_paper;
 pub(crate) mod canor_denoel;
 pub(crate) mod conditioned;
 pub(crate) mod effectivity;
-pub(crate) mod failures;
 pub(crate) mod filtered;
 pub(crate) mod first_passage;
 pub(crate) mod four_states;
 pub(crate) mod gaussian_mixture;
 pub(crate) mod guided_paths;
-pub(crate) mod invariance;
 pub(crate) mod known_densities;
 pub(crate) mod linear_oscillator;
 pub(crate) mod linear_systems;
@@ -23,7 +21,6 @@ pub(crate) mod shear_building;
 pub(crate) mod spatial_order;
 pub(crate) mod stated_errors;
 pub(crate) mod stationary_oscillators;
-pub(crate) mod time_schemes;
 pub(crate) mod viscous_damper;
 
 use reference_problems::fpk::problem::Problem;
@@ -57,6 +54,42 @@ fn worst(
     let member = member.unwrap_or(&worst.id);
     let method = format!("{}; worst of {n} over {over}: {member}", worst.method);
     Ok(Claim { id, method, ..worst })
+}
+
+/// Two and eight threads give the bits of one.
+fn over_threads(
+    context: &Context<'_>,
+    name: &str,
+    reason: &str,
+    whole: impl Fn() -> Result<Vec<u64>, CaseError> + Sync,
+) -> Result<Vec<Claim>, CaseError> {
+    let on = |threads: usize| -> Result<Vec<u64>, CaseError> {
+        context.progress(&format!("{name}, {threads} threads"));
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(&whole)
+    };
+    let one = on(1)?;
+    let mut claims = Vec::new();
+    for threads in [2, 8] {
+        let other = on(threads)?;
+        let method = format!("{threads} threads against 1");
+        let subject = context.subject(
+            &format!("{name}/threads-{threads}"),
+            "values whose bits differ",
+            "",
+            &method,
+        );
+        claims.push(Claim::same_bits(subject, different(&one, &other), one.len(), reason));
+    }
+    Ok(claims)
+}
+
+/// How many entries differ; all of them where the lengths do.
+fn different(one: &[u64], other: &[u64]) -> usize {
+    if one.len() == other.len() {
+        one.iter().zip(other).filter(|(a, b)| a != b).count()
+    } else {
+        one.len().max(1)
+    }
 }
 
 /// The moments that the references hold.

@@ -26,8 +26,10 @@ pub(super) const CASE: Case = Case {
     run,
 };
 
-/// Numbers of ranks.
-const RANKS: [usize; 4] = [1, 2, 3, 4];
+/// Numbers of ranks: one that blocks are dealt to evenly, one that they are not.
+const RANKS: [usize; 2] = [2, 3];
+/// Those of the full profile besides.
+const MORE_RANKS: [usize; 2] = [1, 4];
 
 /// The program that starts ranks.
 const MPIRUN: &str = "mpirun";
@@ -132,7 +134,8 @@ impl Ensemble<'_> {
         let mut claims = Vec::new();
         let blocks_alone =
             "blocks are those of the ensemble, whoever computes them, and sums have one shape";
-        for n in RANKS {
+        let more = MORE_RANKS.iter().filter(|_| self.context.profile == Profile::Full);
+        for &n in RANKS.iter().chain(more) {
             self.context.progress(&format!("{}: {n} {ranks}", self.scene.name));
             let out = self.out(&format!("{stem}-{n}"));
             self.run_on(how, n, &out, &[])?;

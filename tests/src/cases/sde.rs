@@ -2,7 +2,6 @@
 
 pub(crate) mod explosion;
 pub(crate) mod mean_square;
-pub(crate) mod normals;
 pub(crate) mod orders;
 pub(crate) mod oscillator_bias;
 pub(crate) mod oscillator_ensemble;

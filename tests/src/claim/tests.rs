@@ -168,18 +168,18 @@ fn regression_bounds_and_missed_aims_fall_short() {
 #[test]
 fn the_kind_of_a_claim_follows_from_how_it_is_judged() {
     let kind_of =
-        |kind, value, reference, tolerance| within(kind, value, reference, tolerance).kind();
+        |kind, value, reference, tolerance| within(kind, value, reference, tolerance).kind;
     assert_eq!(kind_of(ErrorKind::Relative, 1.0, 1.0, 0.1), ClaimKind::Accuracy);
     // A count: no tolerance about a whole number.
     assert_eq!(kind_of(ErrorKind::Absolute, 3.0, 3.0, 0.0), ClaimKind::Structural);
     assert_eq!(kind_of(ErrorKind::Absolute, 3.0, 3.0, 0.5), ClaimKind::Accuracy);
     assert_eq!(kind_of(ErrorKind::Absolute, 0.25, 0.25, 0.0), ClaimKind::Accuracy);
-    assert_eq!(Claim::same_bits(subject(), 0, 10, WHY).kind(), ClaimKind::Structural);
-    assert_eq!(Claim::case_error("a", "b").kind(), ClaimKind::Structural);
+    assert_eq!(Claim::same_bits(subject(), 0, 10, WHY).kind, ClaimKind::Structural);
+    assert_eq!(Claim::case_error("a", "b").kind, ClaimKind::Structural);
     let bound = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
-    assert_eq!(bound.kind(), ClaimKind::RegressionBound);
+    assert_eq!(bound.kind, ClaimKind::RegressionBound);
     let held = within(ErrorKind::Absolute, 1.0, 1.0, 0.1);
-    assert_eq!(held.structural().kind(), ClaimKind::Structural);
+    assert_eq!(held.structural().kind, ClaimKind::Structural);
 }
 
 #[test]

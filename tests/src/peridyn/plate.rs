@@ -223,15 +223,8 @@ impl Cracked {
         alone.count() as f64 / self.breaks.len() as f64
     }
 
-    /// The damage of a node for a picture, which leaves out what is whole.
-    #[must_use]
-    pub fn shown(&self, node: usize) -> Option<f64> {
-        Some(self.damage[node]).filter(|&damage| damage >= 0.05)
-    }
-
     /// Nodes in a row.
-    #[must_use]
-    pub fn columns(&self) -> usize {
+    fn columns(&self) -> usize {
         let (x, half) = (self.nodes.positions(), 0.5 * self.nodes.spacing());
         x.partition_point(|place| place[1] < x[0][1] + half)
     }

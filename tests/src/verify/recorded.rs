@@ -7,7 +7,6 @@ use result_figures::number::{counted, short};
 use scenes::machine;
 
 use self::rows::{Rows, of_case};
-use super::fingerprint::Fingerprint;
 use crate::case::Profile;
 use crate::report::{CaseRecord, Claim, Counts, Report};
 
@@ -19,28 +18,26 @@ and *of* how many; what failed, is a regression bound or misses an aim comes bef
 numbers in the lists below a table. A claim is *loose* if its tolerance is over ten times the error and its reason does not begin with \
 `roundoff:`, `statistics:` or `chaos:`. CPU time is that of all threads; what several cases share is counted in the first that asks.\n";
 
-/// The page of a report, made from what `fingerprint` says.
+/// The page of a report.
 #[must_use]
-pub fn render_record(report: &Report, fingerprint: &Fingerprint) -> String {
+pub fn render_page(report: &Report) -> String {
     let crates = crates(report);
-    let mut parts = vec![head(report, fingerprint), summary(report, &crates), failures(report)];
+    let mut parts = vec![head(report), summary(report, &crates), failures(report)];
     for name in crates {
         parts.push(format!("\n## {name}\n"));
         let cases = report.cases.iter().filter(|case| crate_of(case) == name);
         parts.extend(cases.map(|case| section(case, report.profile)));
     }
-    parts.push(format!("\n{}", fingerprint.comment()));
     parts.concat()
 }
 
-fn head(report: &Report, fingerprint: &Fingerprint) -> String {
+fn head(report: &Report) -> String {
     let date = machine::date().unwrap_or_else(|| "date unknown".to_owned());
     let (flag, counts) = (flag(report.profile), report.counts());
     format!(
         "# Verification\n\nWritten by `cargo xtask verify --record{flag}`: profile {}, {}, {}, \
-         {counts}; {} loose. {date}; {}; {}; version {}; CPU time {} s.\n\nDefinitions `{}`: the hash of the text of all \
-         cases, scenes and references. `cargo xtask verify --stale` says which of them changed since. A change of a solver \
-         is not among them: run again.\n\n{HOW_TO_READ}",
+         {counts}; {} loose. {date}; {}; {}; version {}; CPU time {} s.\n\n`cargo xtask verify --stale` says which cases, scenes \
+         and references changed since. A change of a solver is not among them: run again.\n\n{HOW_TO_READ}",
         report.profile.name(),
         counted(report.cases.len(), "case"),
         counted(counts.all(), "claim"),
@@ -49,7 +46,6 @@ fn head(report: &Report, fingerprint: &Fingerprint) -> String {
         machine::commit_words(report.commit.as_deref()),
         report.version,
         seconds(report.cases.iter().map(|case| case.cpu_seconds).sum()),
-        fingerprint.hash(),
     )
 }
 

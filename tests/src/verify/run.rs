@@ -14,17 +14,8 @@ use scenes::machine::Machine;
 use super::progress::Progress;
 use super::select::well_formed;
 use super::table::{Style, write_case, write_header};
-use crate::case::{Case, Context, InlineChart, Profile, Schedule, Shared};
+use crate::case::{Case, Context, Profile, Schedule, Shared};
 use crate::report::{CaseRecord, Claim, Report};
-
-/// What a run brought.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
-    /// The cases and their claims.
-    pub report: Report,
-    /// The pictures that cases asked to show.
-    pub charts: Vec<InlineChart>,
-}
 
 /// What all cases of a run share.
 #[derive(Debug)]
@@ -36,7 +27,7 @@ struct Proof<'a> {
 }
 
 /// A finished case, by its place in the table.
-type Ended = (usize, CaseRecord, Vec<InlineChart>);
+type Ended = (usize, CaseRecord);
 
 /// Runs `cases` and prints each in the order of the table.
 ///
@@ -49,7 +40,7 @@ pub fn run_cases(
     profile: Profile,
     style: Style,
     output: &mut dyn Write,
-) -> io::Result<Outcome> {
+) -> io::Result<Report> {
     let machine = Machine::read();
     let progress = Progress::new(cases.len());
     progress.suspend(|| write_header(style, output))?;
@@ -67,7 +58,7 @@ pub fn run_cases(
         taken
     })?;
     proof.progress.finish();
-    Ok(Outcome { report: Report::new(profile, machine, printed.records), charts: printed.charts })
+    Ok(Report::new(profile, machine, printed.records))
 }
 
 impl Proof<'_> {
@@ -131,16 +122,15 @@ impl Proof<'_> {
             }
         };
         let (id, title, source) = (case.id.into(), case.title.into(), case.source.into());
-        let (skipped, charts) = context.into_parts();
-        (index, CaseRecord { id, title, source, seconds, cpu_seconds, claims, skipped }, charts)
+        let skipped = context.into_skipped();
+        (index, CaseRecord { id, title, source, seconds, cpu_seconds, claims, skipped })
     }
 }
 
 /// The cases that have been printed, and those that wait for one above them.
 struct Printed {
-    waiting: Vec<Option<(CaseRecord, Vec<InlineChart>)>>,
+    waiting: Vec<Option<CaseRecord>>,
     records: Vec<CaseRecord>,
-    charts: Vec<InlineChart>,
     /// The ids of all claims so far.
     seen: BTreeSet<String>,
 }
@@ -148,26 +138,24 @@ struct Printed {
 impl Printed {
     fn new(n_cases: usize) -> Self {
         let waiting = (0..n_cases).map(|_| None).collect();
-        Self { waiting, records: Vec::new(), charts: Vec::new(), seen: BTreeSet::new() }
+        Self { waiting, records: Vec::new(), seen: BTreeSet::new() }
     }
 
     /// Prints all whose turn has come.
     fn take(
         &mut self,
-        (index, record, charts): Ended,
+        (index, record): Ended,
         progress: &Progress,
         style: Style,
         output: &mut dyn Write,
     ) -> io::Result<()> {
         progress.finish_case();
-        self.waiting[index] = Some((record, charts));
-        while let Some((mut record, charts)) =
-            self.waiting.get_mut(self.records.len()).and_then(Option::take)
+        self.waiting[index] = Some(record);
+        while let Some(mut record) = self.waiting.get_mut(self.records.len()).and_then(Option::take)
         {
             self.check_ids(&mut record);
             progress.suspend(|| write_case(&record, style, output))?;
             self.records.push(record);
-            self.charts.extend(charts);
         }
         Ok(())
     }
@@ -231,24 +219,23 @@ mod tests {
         }
     }
 
-    fn run(cases: &[Case]) -> (Outcome, String) {
+    fn run(cases: &[Case]) -> (Report, String) {
         let mut output = Vec::new();
         let selected: Vec<&Case> = cases.iter().collect();
-        let outcome =
+        let report =
             run_cases(&selected, Profile::Quick, Style::plain(150, Rows::Claims), &mut output)
                 .unwrap();
-        (outcome, String::from_utf8(output).unwrap())
+        (report, String::from_utf8(output).unwrap())
     }
 
     #[test]
     fn a_case_that_errors_or_panics_is_a_failed_row_and_the_others_run() {
-        let (outcome, text) = run(&[
+        let (report, text) = run(&[
             case("self-check/errs", |_| Err("the solver stopped at t = 3".into())),
             case("self-check/panics", |_| panic!("index out of range")),
             case("self-check/empty", |_| Ok(Vec::new())),
             case("self-check/holds", |context| Ok(vec![claim(context, "value", 1.25)])),
         ]);
-        let report = &outcome.report;
         assert_eq!((report.passed, report.failed), (1, 3));
         let reasons: Vec<&str> = report.failures().map(|claim| claim.reason.as_str()).collect();
         assert_eq!(
@@ -261,12 +248,11 @@ mod tests {
         );
         assert!(text.contains("the solver stopped at t = 3"), "{text}");
         assert_eq!(report.cases[0].claims[0].id, "self-check/errs/ran");
-        assert!(text.lines().all(|line| line.chars().count() <= 150), "{text}");
     }
 
     #[test]
     fn claim_ids_that_repeat_or_do_not_belong_fail() {
-        let (outcome, _) = run(&[
+        let (report, _) = run(&[
             case("self-check/twice", |context| {
                 Ok(vec![claim(context, "x", 1.0), claim(context, "x", 1.0)])
             }),
@@ -276,8 +262,7 @@ mod tests {
                 Ok(vec![foreign])
             }),
         ]);
-        let reasons: Vec<&str> =
-            outcome.report.failures().map(|claim| claim.reason.as_str()).collect();
+        let reasons: Vec<&str> = report.failures().map(|claim| claim.reason.as_str()).collect();
         assert_eq!(
             reasons,
             [
@@ -288,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn cases_share_results_and_show_charts() {
+    fn cases_share_results() {
         // Which of the two comes first is not known.
         static COMPUTED: AtomicUsize = AtomicUsize::new(0);
         let share: fn(&Context<'_>) -> Result<Vec<Claim>, CaseError> = |context| {
@@ -296,13 +281,9 @@ mod tests {
                 COMPUTED.fetch_add(1, Ordering::Relaxed);
                 Ok(1.0)
             })?;
-            context.show_chart("a chart", "<svg/>".into());
             Ok(vec![claim(context, "value", *value)])
         };
-        let (outcome, _) =
-            run(&[case("self-check/first", share), case("self-check/second", share)]);
-        assert_eq!((outcome.report.passed, outcome.charts.len()), (2, 2));
-        assert_eq!(COMPUTED.load(Ordering::Relaxed), 1);
-        assert_eq!(outcome.charts[1].case_id, "self-check/second");
+        let (report, _) = run(&[case("self-check/first", share), case("self-check/second", share)]);
+        assert_eq!((report.passed, COMPUTED.load(Ordering::Relaxed)), (2, 1));
     }
 }

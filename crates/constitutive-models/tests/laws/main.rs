@@ -8,3 +8,4 @@ mod materials;
 mod published;
 #[path = "../../../perturbation-moments/tests/responses/mod.rs"]
 mod responses;
+mod return_mapping;

@@ -192,11 +192,12 @@ mod tests {
         // Up to 2e-3 in one unit of time, held for one, down in one.
         let stretch = |t: f64| 2e-3 * t.min(1.0) - 2e-3 * (t - 2.0).clamp(0.0, 1.0);
         for exponents in EXPONENTS {
-            let law = Memory::new(800.0, 0.7, exponents, 0.9).unwrap();
+            let law = Memory::new(800.0, 0.3, exponents, 0.9).unwrap();
             for (until, steps) in [(1.0, 1), (2.0, 2), (3.0, 3)] {
-                let exact = integrated(&law, stretch, until, 60_000);
+                // Fourth order leaves 1e-17, 90,000 steps of 1e-16 some 1e-14.
+                let exact = integrated(&law, stretch, until, 30_000 * steps);
                 let ours = run(&law, stretch, until, steps);
-                assert!((ours - exact).abs() < 1e-12, "{exponents:?} to {until}: {ours} {exact}");
+                assert!((ours - exact).abs() < 1e-13, "{exponents:?} to {until}: {ours} {exact}");
             }
         }
     }
@@ -205,11 +206,11 @@ mod tests {
     fn a_curved_stretch_is_of_second_order() {
         let stretch = |t: f64| 2e-3 * (1.3 * t).sin();
         for exponents in EXPONENTS {
-            let law = Memory::new(800.0, 0.5, exponents, 0.9).unwrap();
+            let law = Memory::new(800.0, 0.3, exponents, 0.9).unwrap();
             let exact = integrated(&law, stretch, 2.0, 40_000);
             let error = |steps| (run(&law, stretch, 2.0, steps) - exact).abs();
             let order = (error(40) / error(80)).log2();
-            assert!((order - 2.0).abs() < 0.05, "{exponents:?}: {order}");
+            assert!((order - 2.0).abs() < 2e-3, "{exponents:?}: {order}");
         }
     }
 

@@ -78,6 +78,7 @@ fn a_crack_takes_the_energy_of_its_critical_stretch() {
     takes_its_energy(3, 0.1);
     takes_its_energy(3, 0.45);
     takes_its_energy(4, 0.2);
+    takes_its_energy(5, 0.3);
 }
 
 /// Where the law is that of bonds, so is the critical stretch.

@@ -91,7 +91,8 @@ fn a_bar_has_the_displacements_of_the_reference() {
     for (node, (near, far)) in near.iter().zip(&far).enumerate() {
         let expected = expected["u"][node].as_f64().unwrap();
         let found = 2.0 * near - far;
-        assert!((found / expected - 1.0).abs() < 1e-9, "{node}: {found} {expected}");
+        // The residual of 1e-13 times what the ends see of the condition, 1e3.
+        assert!((found / expected - 1.0).abs() < 5e-12, "{node}: {found} {expected}");
     }
 }
 
@@ -168,9 +169,9 @@ fn plates_have_the_strains_of_the_reference() {
             ("total_strain", found.total),
             ("exx_edge_row", found.edge),
         ] {
-            // The residual of 1e-13, times the condition of the plate, some 1e4.
+            // The residual of 1e-13, in whose softest modes the condition of the plate, some 1e4, would make more of it.
             let expected = data["results"][name][key].as_f64().unwrap();
-            assert!((found / expected - 1.0).abs() < 1e-9, "{name} {key}: {found} {expected}");
+            assert!((found / expected - 1.0).abs() < 7.5e-13, "{name} {key}: {found} {expected}");
         }
     }
 }

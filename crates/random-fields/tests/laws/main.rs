@@ -7,7 +7,9 @@
 )]
 
 mod conditioned;
+mod eigenvalues;
 mod gaussian_field;
 mod marginal;
 mod random_field;
 mod refusals;
+mod sampled;

@@ -13,6 +13,7 @@ mod initial_distribution;
 mod methods;
 mod moments;
 mod noise;
+mod passages;
 mod stability;
 mod studies;
 mod system;

@@ -19,8 +19,8 @@ use self::records::{Quantity, Scene, charts};
 use self::runs::{Ladder, Question, Setting, papers_ladder, usual};
 use self::table::page;
 use crate::draw::ChartKind;
+use crate::problems::exceedance_surface::{ExceedanceSurface, SMALLEST};
 use reference_problems::context::{CaseError, Context};
-use reference_problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
 use reference_problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use reference_problems::fpk::methods::{
     BOUC_WEN_LATTICE, KANAI_TAJIMI_LATTICE, OF_HYSTERESIS, OF_OSCILLATOR,

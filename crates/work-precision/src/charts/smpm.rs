@@ -13,10 +13,10 @@ use uq_estimators::{ControlledSamples, SampledMoments, Surrogate};
 
 use super::cost::{LONG, cost_in_seconds, group_thousands, outcome, table, timed};
 use crate::draw::ChartKind;
+use crate::problems::schemes::Shock;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::quantile::quantile;
 use reference_problems::smpm::problems::{Problem, experiment};
-use reference_problems::smpm::schemes::Shock;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm",

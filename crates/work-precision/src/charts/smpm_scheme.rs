@@ -10,9 +10,9 @@ use serde::Serialize;
 
 use super::cost::{LONG, timed};
 use crate::draw::ChartKind;
+use crate::problems::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
+use crate::problems::work::Work;
 use reference_problems::context::{CaseError, Context, Profile};
-use reference_problems::smpm::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
-use reference_problems::work::Work;
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-scheme",

@@ -5,8 +5,8 @@ use sde_integrators::{Accumulator, Estimate, Noise, Purpose};
 use uq_estimators::{NormalModel, TailEstimate, TailPoint, TailSampling};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
+use crate::cases::estimates::sampled;
 use crate::cases::estimators::plane_beam::{Beam, CELLS, Choice, Loads, Plane};
-use crate::cases::sde_ensembles::sampled;
 use crate::claim::Criterion;
 use crate::report::Claim;
 

@@ -5,7 +5,7 @@ use sde_integrators::{Estimate, Noise, Purpose, normal_probability};
 use uq_estimators::{Failure, NormalModel, TailSampling};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::sde_ensembles::{against_exact, sampled};
+use crate::cases::estimates::{against_exact, sampled};
 use crate::claim::Criterion;
 use crate::report::Claim;
 

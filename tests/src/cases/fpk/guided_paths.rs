@@ -12,7 +12,6 @@ use scenes::fpk::paths::{Paths, PathsError};
 use sde_integrators::{Between, GaussianMixture, Response, Side};
 use vibrating_systems::ViscousDamper;
 
-use super::invariance::over_threads;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
@@ -66,7 +65,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         Ok(all.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     };
     let reason = "a path is a function of seed and realisation, and blocks of 4,096 paths are summed in order";
-    claims.extend(over_threads(context, "viscous-damper", reason, whole)?.1);
+    claims.extend(super::over_threads(context, "viscous-damper", reason, whole)?);
     Ok(claims)
 }
 

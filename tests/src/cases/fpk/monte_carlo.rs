@@ -22,8 +22,11 @@ const TIMES: [f64; 3] = [2.0, 4.0, 6.0];
 
 fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = Vec::new();
-    let is_quick = context.profile == Profile::Quick;
-    let (strang_paths, euler_paths) = if is_quick { (25_000, 10_000) } else { (100_000, 20_000) };
+    let (strang_paths, euler_paths) = match context.profile {
+        Profile::Quick => (25_000, 10_000),
+        Profile::Default => (25_000, 20_000),
+        Profile::Full => (100_000, 20_000),
+    };
     for (problem, scene, euler_growth) in [
         (Problem::viscous_damper()?, "viscous-damper", (0.03, 0.1)),
         (Problem::linear_oscillator()?, "linear-oscillator", (0.04, 0.12)),

@@ -177,7 +177,7 @@ fn secondary_force(
             // The same event as a force above the capacity, and nearly linear in the normals.
             Ok((force(&parts) / capacity).ln())
         };
-        let config = SubsetConfig { n_samples: 10_000, correlation: 0.8, n_runs: 32 };
+        let config = SubsetConfig { n_samples: 10_000, correlation: 0.8, n_runs: 16 };
         let problem = Problem {
             id: "primary-secondary",
             response: &response,

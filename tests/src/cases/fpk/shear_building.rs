@@ -10,7 +10,6 @@ use scenes::building::scene::PassageScene;
 use sde_integrators::{Between, LaneSde, Response, Side};
 use vibrating_systems::{Hysteresis, ShearBuilding, ShearBuildingParameters};
 
-use super::invariance::over_threads;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::claim::Criterion;
 use crate::report::Claim;
@@ -189,7 +188,7 @@ fn rare(
     };
     let reason =
         "a path is a function of seed and realisation, and blocks of 512 paths are summed in order";
-    claims.extend(over_threads(context, "ten-storeys", reason, bits)?.1);
+    claims.extend(super::over_threads(context, "ten-storeys", reason, bits)?);
     Ok(claims)
 }
 

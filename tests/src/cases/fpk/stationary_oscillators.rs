@@ -10,7 +10,6 @@ use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::StationaryOscillator;
 
-use super::invariance::over_threads;
 use super::{row, scene, worst};
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
@@ -73,7 +72,7 @@ fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     let reason =
         "every position of a new lattice is computed independently, in the order of the lattice";
-    claims.extend(over_threads(context, "flow-map-fit", reason, whole)?.1);
+    claims.extend(super::over_threads(context, "flow-map-fit", reason, whole)?);
     Ok(claims)
 }
 

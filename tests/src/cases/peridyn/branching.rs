@@ -1,7 +1,6 @@
 //! A plate of glass with a notch, pulled at once: the crack branches.
 
 use peridyn_sde::{Loading, Notch, Program};
-use result_figures::{Field, Words, field};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
@@ -100,10 +99,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             let seen = seen(&plate, &cracked)?;
             starts.push(seen.start);
             worst.see(&seen, by_another_code(name, dx), &format!("{name}, {dx} mm"));
-            if name == LOADS[0].0 && starts.len() == millimetres.len() {
-                let title = format!("Damage at 50 us, {dx} mm");
-                context.show_chart(&title, field(&picture(&cracked, dx))?);
-            }
         }
         if let &[coarse, fine] = starts.as_slice() {
             worst.change.take(fine / coarse - 1.0, name);
@@ -182,28 +177,5 @@ impl Branching {
             ));
         }
         claims
-    }
-}
-
-fn picture(cracked: &Cracked, dx: f64) -> Field {
-    let columns = cracked.columns();
-    let rows = cracked.damage.len() / columns;
-    let edges =
-        |count: usize, low: f64| (0..=count).map(|k| low + dx * k as f64).collect::<Vec<f64>>();
-    Field {
-        words: Words {
-            title: "Crack in glass that branches".into(),
-            subtitle: "12 MPa at the upper and lower edge from the start, 50 us after".into(),
-            x_label: "x (mm)".into(),
-            y_label: "y (mm)".into(),
-            caption: vec![format!("{dx} mm, horizon 4.015 dx, no noise; damage from 0.05 on")],
-        },
-        unit: "damage".into(),
-        x: edges(columns, 0.0),
-        y: edges(rows, -20.0),
-        values: (0..rows)
-            .map(|row| (0..columns).map(|column| cracked.shown(row * columns + column)).collect())
-            .collect(),
-        regions: Vec::new(),
     }
 }

@@ -3,11 +3,13 @@
 use crack_inference::{
     Parameter, ParameterPosterior, ParameterSpace, Posterior, Prior, SamplerConfig, Scale,
 };
-use peridyn_sde::VolumeCorrection;
+use peridyn_sde::{
+    Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, Nodes, Strain,
+    SurfaceCorrection, VolumeCorrection,
+};
 use result_figures::{ErrorKind, Reference};
 use sde_integrators::{Noise, Purpose};
 
-use super::dispersion::frequency;
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
 use crate::cases::worst::Worst;
@@ -52,6 +54,28 @@ fn of_continuum(horizon: f64) -> [f64; 8] {
     WAVE_NUMBERS.map(|k| (4.0 / horizon.powi(2) * cin(k * horizon)).ln())
 }
 
+/// `rho omega^2 dx^2/E` of the wave `cos(kappa x)` on a lattice, by the force on the node at its crest. Bonds near the horizon have
+/// a ramp in their volumes, so that the stiffness is continuous in the horizon.
+fn frequency(horizon: f64, kappa: f64) -> Result<f64, CaseError> {
+    let reach = horizon.floor() + 1.5;
+    let condition = Condition::Bar { area: 1.0 };
+    let nodes = Nodes::lattice(1.0, ([-reach], [reach]), condition, |_| true)?;
+    let config = BondConfig {
+        horizon: Horizon::new(horizon, 1.0)?,
+        young_modulus: 1.0,
+        influence: Influence::Constant,
+        volume_correction: VolumeCorrection::Ramp,
+        surface_correction: SurfaceCorrection::None,
+    };
+    let bonds = Bonds::new(&nodes, &config)?;
+    let wave: Vec<f64> = nodes.positions().iter().map(|x| (kappa * x[0]).cos()).collect();
+    let strengths = vec![1.0; bonds.len()];
+    let mut body = BondList::<f64, 1, 1>::new(nodes, bonds, Strain::Linear, &strengths)?;
+    let mut forces = vec![0.0; wave.len()];
+    body.linear_forces(&wave, &mut forces)?;
+    Ok(-forces[wave.len() / 2])
+}
+
 /// The same on the lattice, by the forces of its bonds, at the knots.
 struct Lattice(Vec<[f64; 8]>);
 
@@ -59,18 +83,9 @@ impl Lattice {
     fn new() -> Result<Self, CaseError> {
         let at = |knot: usize| -> Result<[f64; 8], CaseError> {
             let horizon = knot_horizon(knot);
-            let shells = (horizon / SPACING).floor();
-            let beyond = horizon / SPACING - shells;
             let mut found = [0.0; 8];
             for (found, k) in found.iter_mut().zip(WAVE_NUMBERS) {
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "20 to 80 shells"
-                )]
-                let shells = shells as u32;
-                // The ramp: a stiffness that is continuous in the horizon.
-                let square = frequency((shells, beyond), VolumeCorrection::Ramp, k * SPACING)?;
+                let square = frequency(horizon / SPACING, k * SPACING)?;
                 *found = (square / (SPACING * SPACING)).ln();
             }
             Ok(found)

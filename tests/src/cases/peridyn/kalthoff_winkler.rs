@@ -1,7 +1,7 @@
 //! A plate of steel with two notches that is struck between them: two cracks at a steep angle to the notches.
 
 use peridyn_sde::{Loading, Notch};
-use result_figures::{ErrorKind, Field, Reference, Words, field};
+use result_figures::{ErrorKind, Reference};
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::lines::Lines;
@@ -93,10 +93,6 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         speed.take(seen.speed, &format!("{dx} mm"));
         asymmetry.take(seen.asymmetry, &format!("{dx} mm"));
         angles.push(seen.angle);
-        if dx <= MILLIMETRES[2] {
-            let title = format!("Damage at 90 us, {dx} mm");
-            context.show_chart(&title, field(&picture(&cracked, dx))?);
-        }
     }
     let method = "1, 0.5 and 0.25 mm, velocity Verlet, steps of 0.8 of the critical one";
     let lines = |method| Lines { context, id: "", method };
@@ -146,29 +142,4 @@ fn angle(context: &Context<'_>, dx: f64, seen: &Seen) -> Claim {
     let reason = "65 to 75 degrees is all that the experiment, about 70, can support; another code gets 64.9 and 65.5 on these meshes";
     let criterion = Criterion::Within { tolerance: 4.5, reason };
     lines.judge(angle, ErrorKind::Absolute, seen.angle, Reference::exact(70.0), criterion)
-}
-
-/// The notches are vertical, as the plate is twice as long across them.
-fn picture(cracked: &Cracked, dx: f64) -> Field {
-    let columns = cracked.columns();
-    let rows = cracked.damage.len() / columns;
-    let edges =
-        |count: usize, low: f64| (0..=count).map(|k| low + dx * k as f64).collect::<Vec<f64>>();
-    let value = |column: usize, row: usize| cracked.shown(row * columns + column);
-    Field {
-        words: Words {
-            title: "Plate struck between two notches".into(),
-            subtitle: "16.5 m/s from below between the notches, 90 us after".into(),
-            x_label: "across the notches (mm)".into(),
-            y_label: "along the notches (mm)".into(),
-            caption: vec![format!("{dx} mm, horizon 3.015 dx, no noise; damage from 0.05 on")],
-        },
-        unit: "damage".into(),
-        x: edges(rows, -1e3 * 0.5 * SIZE[1]),
-        y: edges(columns, 0.0),
-        values: (0..columns)
-            .map(|column| (0..rows).map(|row| value(column, row)).collect())
-            .collect(),
-        regions: Vec::new(),
-    }
 }

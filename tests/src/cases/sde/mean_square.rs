@@ -123,7 +123,7 @@ fn boundary_claim(context: &Context<'_>, id: &str, error: f64) -> Claim {
         "E|R|^2 = 1 by Gauss-Hermite quadrature and bisection, against its formula",
     );
     let reason = "roundoff: eps over the slope of E|R|^2 at its boundary; the quadrature is exact for the polynomial of a step";
-    Claim::within(subject, ErrorKind::Absolute, (error, 0.0), 1e-11, reason)
+    Claim::within(subject, ErrorKind::Absolute, (error, 0.0), 3e-13, reason)
 }
 
 fn survey_claim(context: &Context<'_>, worst: &Worst) -> Claim {
@@ -159,7 +159,7 @@ fn amplification_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
         "Euler-Maruyama, Milstein, Heun at l = -3, m = sqrt(3), h = 0.1, 0.25, 0.4",
     );
     let reason = "roundoff: some hundred operations of the quadrature";
-    Ok(Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-13, reason))
+    Ok(Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-14, reason))
 }
 
 /// `theta >= 1/2` is stable whenever the equation is: amplifications over rays and step lengths above one.
@@ -220,5 +220,5 @@ fn ito_claim(context: &Context<'_>) -> Claim {
     );
     let reason =
         "roundoff: central differences of a linear function, eps^(2/3) over the ratio of |x| to 1";
-    Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-7, reason)
+    Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 4e-11, reason)
 }

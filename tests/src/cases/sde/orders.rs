@@ -176,8 +176,7 @@ fn noise_free_claims<S, const D: usize, const M: usize>(
 
 fn paths(context: &Context<'_>, quick: u64) -> u64 {
     match context.profile {
-        Profile::Quick => quick,
-        Profile::Default => 4 * quick,
+        Profile::Quick | Profile::Default => quick,
         Profile::Full => 16 * quick,
     }
 }

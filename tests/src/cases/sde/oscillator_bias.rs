@@ -33,7 +33,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         method("strang-oscillator", "Strang", StrangOscillator, none),
     ];
     let n_paths = match context.profile {
-        Profile::Quick | Profile::Default => 16_000,
+        Profile::Quick | Profile::Default => 4_000,
         Profile::Full => 80_000,
     };
     let study = Study { n_paths, seed: 51, end: END, coarsest: 128, n_levels: 6, refinements: 0 };

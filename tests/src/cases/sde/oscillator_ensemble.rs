@@ -12,7 +12,7 @@ use vibrating_systems::{
 };
 
 use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::sde_ensembles::sampled;
+use crate::cases::estimates::sampled;
 use crate::claim::Criterion;
 use crate::report::Claim;
 

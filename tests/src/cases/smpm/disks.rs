@@ -229,7 +229,7 @@ fn of_all(context: &Context<'_>, runs: &[Run]) -> [Claim; 2] {
         lines(of_momentum).bounded(
             ("momentum", "largest momentum of both over that of one", ""),
             momentum,
-            1e-13,
+            4e-14,
             "roundoff: sums over some thousand particles and steps",
         ),
         lines(of_peak).bounded(

@@ -101,8 +101,8 @@ impl Inclines {
             lines(&self.creep).bounded(
                 ("creep", "displacement of a block that sticks, over that of free fall", ""),
                 self.creep.value(),
-                0.005,
-                "half a per cent is the target; a block that has settled vibrates by less",
+                2e-3,
+                "a block that has settled vibrates by less than half a per cent, the target",
             ),
             lines(&self.slide).bounded(
                 (

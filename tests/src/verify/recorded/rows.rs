@@ -134,7 +134,7 @@ fn cells(claim: &Claim, case_id: &str) -> Vec<String> {
         number::with_uncertainty(claim.reference, claim.reference_error),
         format!("{}{kind}", number::error(claim.error, claim.error_kind)),
         number::short(claim.tolerance),
-        match claim.kind() {
+        match claim.kind {
             ClaimKind::RegressionBound => "regression bound".to_owned(),
             ClaimKind::Structural => "structural".to_owned(),
             ClaimKind::Accuracy => percent(claim.used()),

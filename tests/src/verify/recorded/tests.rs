@@ -3,10 +3,8 @@ use scenes::machine::Machine;
 
 use super::rows::MOST_ROWS;
 use super::*;
-use crate::case::tests::case;
 use crate::claim::{Criterion, Subject};
 use crate::report::Claim;
-use crate::verify::fingerprint::tests::workspace;
 
 const METHOD: &str = "log-density fit";
 const TRUNCATION: &str = "truncation < 1 %";
@@ -45,20 +43,15 @@ fn report(claims: Vec<Claim>) -> Report {
     Report::new(Profile::Default, Machine::read(), vec![case])
 }
 
-fn page(name: &str, claims: Vec<Claim>) -> String {
-    let root = workspace(name);
-    let case = case("self-check/page", Profile::Quick);
-    let fingerprint = Fingerprint::read(&root, &[case], Profile::Default).unwrap();
-    std::fs::remove_dir_all(&root).unwrap();
-    let page = render_record(&report(claims), &fingerprint);
+fn page(claims: Vec<Claim>) -> String {
+    let page = render_page(&report(claims));
     assert!(page.contains("\nSkipped ranks: no MPI.\n"), "{page}");
-    assert!(page.contains(&fingerprint.hash()) && page.ends_with(&fingerprint.comment()));
     page
 }
 
 #[test]
 fn a_claim_stands_with_value_reference_tolerance_reason_verdict_and_command() {
-    let page = page("recorded-few", vec![claim("good", 0.4), claim("bad", 1.4), bound("paper")]);
+    let page = page(vec![claim("good", 0.4), claim("bad", 1.4), bound("paper")]);
     for expected in [
         "profile default, 1 case, 3 claims, 1 of accuracy, 0 structural, 1 regression bound; 1 failed; 0 loose.",
         "| [self-check](#self-check) | 1 | 3 | 1 | 0 | 1 | 1 | 0 | 2.50 |",
@@ -88,7 +81,7 @@ fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or
     // Of one family, and yet all there.
     claims.extend((0..9).map(|t| bound(&format!("paper/t{t}"))));
     claims.push(claim("moment-0/t9", 1.4));
-    let page = page("recorded-many", claims);
+    let page = page(claims);
     let names: Vec<&str> = page
         .lines()
         .filter(|line| line.starts_with("| moment-") || line.starts_with("| paper"))
@@ -109,20 +102,7 @@ fn of_many_claims_the_worst_of_each_family_stand_worst_first_with_what_failed_or
 
 #[test]
 fn what_falls_short_is_never_left_out() {
-    let page = page("recorded-bounds", (0..20).map(|t| bound(&format!("paper/t{t}"))).collect());
+    let page = page((0..20).map(|t| bound(&format!("paper/t{t}"))).collect());
     assert_eq!(page.matches("| regression bound |").count(), 20);
     assert!(!page.contains("claims more"), "{page}");
-}
-
-/// Writes the page of a report for the eye: `SAMPLE_FOLDER=dir cargo test -p verification recorded`, where `dir` has its `report.json`.
-#[test]
-fn recorded_page_for_the_eye() {
-    let Some(folder) = std::env::var_os("SAMPLE_FOLDER").map(std::path::PathBuf::from) else {
-        return;
-    };
-    let Ok(report) = std::fs::read_to_string(folder.join("report.json")) else { return };
-    let report: Report = serde_json::from_str(&report).unwrap();
-    let root = reference_problems::record::workspace();
-    let fingerprint = Fingerprint::read(&root, &[], report.profile).unwrap();
-    std::fs::write(folder.join("verification.md"), render_record(&report, &fingerprint)).unwrap();
 }

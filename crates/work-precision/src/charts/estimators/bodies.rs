@@ -8,10 +8,10 @@ use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Sampling, UnitCube};
 
 use super::measured::{Size, drawing, method};
+use crate::problems::schemes::Shock;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::quantile::quantile;
 use reference_problems::smpm::problems::{Problem, experiment};
-use reference_problems::smpm::schemes::Shock;
 
 /// Step of the differences of a Taylor series, in standard deviations.
 const DIFFERENCE: f64 = 0.1;

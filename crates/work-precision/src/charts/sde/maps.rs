@@ -55,7 +55,7 @@ pub(super) fn mean_square() -> Result<Drawing, CaseError> {
 
 /// Largest stable step of a linear oscillator over its damping ratio.
 pub(super) fn oscillator() -> Result<Drawing, CaseError> {
-    use reference_problems::sde::oscillator_limits as limits;
+    use crate::problems::oscillator_limits as limits;
     let ratio = |k: i32| 0.01 + 0.0245 * f64::from(k);
     let lines = limits::METHODS
         .iter()

@@ -7,9 +7,9 @@ use peridyn_sde::{
 use result_figures::{Drawing, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words};
 
 use crate::draw::ChartKind;
+use crate::problems::lattice::{MODULUS, energy_of_middle};
 use crate::stability::axes::linear;
 use reference_problems::context::{CaseError, Context, Profile};
-use reference_problems::peridyn::lattice::{MODULUS, energy_of_middle};
 
 pub(crate) const MAP: ChartKind = ChartKind {
     name: "peridyn-horizon",

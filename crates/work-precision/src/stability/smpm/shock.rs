@@ -3,10 +3,10 @@
 use result_figures::{Drawing, Scale};
 use scenes::smpm::scene::{SchemeScene, ShapeScene};
 
+use crate::problems::schemes::{FLIP, SHAPES, Shock, scheme};
 use crate::stability::axes::{linear, logarithmic, words};
 use crate::stability::{Panel, Work};
 use reference_problems::context::CaseError;
-use reference_problems::smpm::schemes::{FLIP, SHAPES, Shock, scheme};
 
 /// Work limit in steps: ten times that of a usual run.
 const MOST_STEPS: u64 = 10_000;

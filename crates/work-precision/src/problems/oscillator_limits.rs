@@ -4,9 +4,9 @@ use sde_integrators::{
     EulerMaruyama, Heun, Integrator, SemiImplicitEuler, Shark, StateSpace, StepError,
 };
 
-use super::linear::probe;
-use super::problems::Oscillator;
-use crate::context::CaseError;
+use reference_problems::context::CaseError;
+use reference_problems::sde::linear::probe;
+use reference_problems::sde::problems::Oscillator;
 
 /// A method with a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

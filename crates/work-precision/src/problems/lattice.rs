@@ -5,7 +5,7 @@ use peridyn_sde::{
     critical_stretch,
 };
 
-use crate::context::CaseError;
+use reference_problems::context::CaseError;
 
 /// `E` of all lattices here.
 pub const MODULUS: f64 = 3.0;

@@ -3,7 +3,7 @@
 use result_figures::Reference;
 use serde::Deserialize;
 
-use crate::context::CaseError;
+use reference_problems::context::CaseError;
 
 /// Smallest probability that counts.
 pub const SMALLEST: f64 = 1e-6;
@@ -78,8 +78,9 @@ fn file() -> Result<File, CaseError> {
 
 #[cfg(test)]
 mod tests {
+    use reference_problems::fpk::reference::ReferenceTable;
+
     use super::*;
-    use crate::fpk::reference::ReferenceTable;
 
     /// Other programs, and other methods, at common times and thresholds; both errors are one standard deviation at most.
     #[test]

@@ -1,15 +1,15 @@
 //! Schemes of a step by name, and what two problems show of them: a plane shock in steel, an explosion.
 
-use smpm::Simulation;
-use smpm::uncertainty::{Experiment, Series, Study};
-use smpm_scenes::experiment::SceneExperiment;
-use smpm_scenes::scene::{
+use scenes::smpm::experiment::SceneExperiment;
+use scenes::smpm::scene::{
     SchemeScene, ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene,
 };
+use smpm::Simulation;
+use smpm::uncertainty::{Experiment, Series, Study};
 
-use super::problems::{Problem, experiment};
-use crate::context::CaseError;
-use crate::work::Work;
+use super::work::Work;
+use reference_problems::context::CaseError;
+use reference_problems::smpm::problems::{Problem, experiment};
 
 /// Shape functions with their names.
 pub const SHAPES: [(ShapeScene, &str); 2] =

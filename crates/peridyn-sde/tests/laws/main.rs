@@ -3,25 +3,20 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
 mod bridge;
-mod constants;
 mod custom_body;
 mod custom_law;
 mod disorder;
 mod dynamics;
-mod fast_bits;
-mod fast_paths;
 mod forces;
 mod given;
 mod halted;
 mod mobility;
 mod paths;
 mod quasi_static;
-mod shards;
+mod registers;
 mod slow_ensemble;
 mod solid;
 mod solid_failure;
-mod solid_lattice;
-mod solid_list;
-mod statics;
+mod surface;
 mod swing;
 mod weakest_link;

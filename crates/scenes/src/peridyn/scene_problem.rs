@@ -1,14 +1,15 @@
 //! Conversion of a crack scene to the inputs of the solver.
 
 use peridyn_sde::{
-    BondOrder, Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Procedure, Strain,
+    BondOrder, Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Precision, Procedure,
+    Strain,
 };
 use serde::Serialize;
 
 use super::held::{Held, LoadEnd, rate};
 use super::points::Cloud;
 use super::procedure::{Motion, SceneProcedure};
-use super::scene::CrackScene;
+use super::scene::{CrackScene, PrecisionScene};
 use super::scene_plate::{Plate, PlateLaw, Variation, order};
 use crate::scene::{NamedFile, Objection};
 
@@ -161,6 +162,10 @@ impl CrackProblem {
             bonds: &self.bonds,
             law: self.law.of_study(),
             order: self.order,
+            precision: match scene.ensemble.precision {
+                PrecisionScene::F64 => Precision::Double,
+                PrecisionScene::F32 => Precision::Single,
+            },
             strain: self.strain,
             strength: self.strength.strength(self.resolved.critical_stretch),
             stiffness: self.stiffness.stiffness(),

@@ -201,13 +201,7 @@ fn of_unequal_nodes(context: &Context<'_>) -> Result<Claim, CaseError> {
     expected[0] = FORCE;
     expected[volumes.len() - 1] = -FORCE;
     let nodes = Nodes::new(positions, volumes, 1.0, Condition::Bar { area: AREA })?;
-    let config = BondConfig {
-        horizon,
-        young_modulus: YOUNG_MODULUS,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(horizon, YOUNG_MODULUS);
     let bonds = Bonds::new(&nodes, &config)?;
     let bar = Strained { nodes, bonds, u };
     let mut worst = Worst::default();
@@ -227,13 +221,7 @@ fn of_unequal_nodes(context: &Context<'_>) -> Result<Claim, CaseError> {
 fn bar(growth: f64) -> Result<Strained<1>, CaseError> {
     let condition = Condition::Bar { area: 1.0 };
     let nodes = Nodes::lattice(1.0, ([-4.0], [4.0]), condition, |_| true)?;
-    let config = BondConfig {
-        horizon: Horizon::of_shells(2, 1.0)?,
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(2, 1.0)?, 1.0);
     let bonds = Bonds::new(&nodes, &config)?;
     let stretch = growth / (1.0 + (1.0 + growth).sqrt());
     let u = nodes.positions().iter().map(|x| [stretch * x[0]]).collect();

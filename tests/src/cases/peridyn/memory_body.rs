@@ -2,9 +2,8 @@
 
 use peridyn_sde::law::{Bilinear, Memory};
 use peridyn_sde::{
-    BondConfig, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Mobility,
-    Network, Nodes, Program, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
-    VolumeCorrection,
+    BondConfig, Bonds, Breaking, Condition, Dynamics, Horizon, Loading, Mobility, Network, Nodes,
+    Program, Scheme, Simulation, SimulationConfig,
 };
 use reference_problems::peridyn::network::Network as Springs;
 use sde_integrators::Noise;
@@ -54,13 +53,7 @@ struct Worn {
 pub(super) fn block(context: &Context<'_>) -> Result<[Claim; 2], CaseError> {
     let condition = Condition::PlaneStress { thickness: 1.0 };
     let nodes = Nodes::lattice(1.0, ([0.0; 2], [9.0; 2]), condition, |_| true)?;
-    let config = BondConfig {
-        horizon: Horizon::of_shells(3, 1.0)?,
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(3, 1.0)?, 1.0);
     let bonds = Bonds::new(&nodes, &config)?;
     let (x, stiffness) = (nodes.positions().to_vec(), bonds.all()[0].stiffness);
     let found = worn_in_steps(nodes, bonds)?;
@@ -185,13 +178,7 @@ pub(super) fn softening(context: &Context<'_>) -> Result<Claim, CaseError> {
     const LAST: f64 = 4.0 * STRENGTH;
     const TURN: f64 = 2.5 * STRENGTH;
     let nodes = Nodes::lattice(1.0, ([0.0], [2.0]), Condition::Bar { area: 1.0 }, |_| true)?;
-    let config = BondConfig {
-        horizon: Horizon::of_shells(1, 1.0)?,
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(1, 1.0)?, 1.0);
     let bonds = Bonds::new(&nodes, &config)?;
     let stiffness = bonds.all()[0].stiffness;
     let mut body = Network::new(nodes, bonds, Bilinear::new(LAST / STRENGTH)?, vec![STRENGTH])?;

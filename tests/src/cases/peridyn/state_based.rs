@@ -1,8 +1,8 @@
 //! The linear peridynamic solid: forces against LAMMPS, Poisson's ratio, the work of a crack, the stationary law.
 
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, Condition, Horizon, Influence, Nodes, SolidBonds, SolidLattice,
-    SolidList, Strain, SurfaceCorrection, VolumeCorrection, critical_stretch_of_solid,
+    AtStrength, Body, BondConfig, BondList, Condition, Horizon, Influence, LatticeBody, Nodes,
+    SolidBonds, Strain, SurfaceCorrection, VolumeCorrection, critical_stretch_of_solid,
 };
 use serde::Deserialize;
 
@@ -47,7 +47,7 @@ fn config(shells: u32) -> Result<BondConfig, CaseError> {
 }
 
 /// One realisation in double precision, whose bonds break at a stretch.
-type One<const D: usize> = SolidList<f64, D, 1>;
+type One<const D: usize> = BondList<f64, D, 1>;
 
 fn one<const D: usize>(
     nodes: Nodes<D>,
@@ -55,8 +55,8 @@ fn one<const D: usize>(
     strain: Strain,
     strength: f64,
 ) -> Result<One<D>, CaseError> {
-    let strengths = [vec![strength; solid.bonds().len()]];
-    Ok(SolidList::new(nodes, solid, strain, &strengths)?)
+    let strengths = vec![strength; solid.bonds().len()];
+    Ok(BondList::of_solid(nodes, solid, strain, &strengths)?)
 }
 
 /// The largest difference over the largest entry of the second.
@@ -123,7 +123,7 @@ fn lattice(context: &Context<'_>) -> Result<Claim, CaseError> {
             &mut exact,
             AtStrength::Hold,
         )?;
-        SolidLattice::<f64, D>::new(nodes, solid, Strain::Finite, 10.0)?.forces(
+        LatticeBody::<f64, D>::of_solid(nodes, solid, Strain::Finite, 10.0)?.forces(
             &u,
             &mut found,
             AtStrength::Hold,

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 use peridyn_sde::{
-    Body, BondConfig, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Mobility, Nodes,
-    Scheme, Simulation, SimulationConfig, SolidBonds, SolidList, Strain, SurfaceCorrection,
+    Body, BondConfig, BondList, Breaking, Condition, Dynamics, Horizon, Influence, Loading,
+    Mobility, Nodes, Scheme, Simulation, SimulationConfig, SolidBonds, Strain, SurfaceCorrection,
     VolumeCorrection,
 };
 use reference_problems::peridyn::network::{distance, stationary};
@@ -21,7 +21,7 @@ struct Small {
     k: DMatrix<f64>,
 }
 
-fn small() -> Result<SolidList<f64, 2, 1>, CaseError> {
+fn small() -> Result<BondList<f64, 2, 1>, CaseError> {
     let condition = Condition::PlaneStress { thickness: 1.0 };
     let nodes = Nodes::lattice(1.0, ([0.0; 2], [4.0; 2]), condition, |_| true)?;
     let config = BondConfig {
@@ -32,15 +32,15 @@ fn small() -> Result<SolidList<f64, 2, 1>, CaseError> {
         surface_correction: SurfaceCorrection::None,
     };
     let solid = SolidBonds::new(&nodes, &config, 0.1)?;
-    let strengths = [vec![10.0; solid.bonds().len()]];
-    Ok(SolidList::new(nodes, solid, Strain::Linear, &strengths)?)
+    let strengths = vec![10.0; solid.bonds().len()];
+    Ok(BondList::of_solid(nodes, solid, Strain::Linear, &strengths)?)
 }
 
 /// The plate in time.
 fn simulation(
     (scheme, temperature): (Scheme, f64),
     dt: f64,
-) -> Result<Simulation<f64, SolidList<f64, 2, 1>, 2, 1>, CaseError> {
+) -> Result<Simulation<f64, 2, 1>, CaseError> {
     let is_free: Vec<bool> = (0..16).map(|node| node % 4 != 0).collect();
     let held: Vec<usize> = (0..16).filter(|node| node % 4 == 0).collect();
     let mobility = Mobility::identity(&is_free, 1.0)?;
@@ -75,10 +75,7 @@ impl Small {
     }
 
     /// Displacements of free components after a step.
-    fn after(
-        &self,
-        mut run: Simulation<f64, SolidList<f64, 2, 1>, 2, 1>,
-    ) -> Result<Vec<f64>, CaseError> {
+    fn after(&self, mut run: Simulation<f64, 2, 1>) -> Result<Vec<f64>, CaseError> {
         let _ = run.step()?;
         let u = run.displacements(0);
         Ok(self.free.iter().map(|&at| u.as_flattened()[at]).collect())

@@ -1,9 +1,8 @@
 //! Loading rate limit of a plate, with and without the affine predictor.
 
 use peridyn_sde::{
-    BondConfig, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, Influence, LatticeBody,
-    Loading, Mobility, Nodes, Program, Scheme, Simulation, SimulationConfig, Strain,
-    SurfaceCorrection, VolumeCorrection,
+    BondConfig, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, LatticeBody, Loading,
+    Mobility, Nodes, Program, Scheme, Simulation, SimulationConfig, Strain,
 };
 use result_figures::{Curve, CurvePoint, Curves, Drawing, Scale, Threshold, Words};
 use sde_integrators::Noise;
@@ -60,13 +59,7 @@ impl Plate {
         let dx = 1.0 / per_edge as f64;
         let condition = Condition::PlaneStress { thickness: 1.0 };
         let nodes = Nodes::lattice(dx, ([0.0; 2], [1.0; 2]), condition, |_| true)?;
-        let config = BondConfig {
-            horizon: Horizon::of_shells(SHELLS, dx)?,
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(SHELLS, dx)?, 1.0);
         let bonds = Bonds::new(&nodes, &config)?;
         let cut = bonds.across_segment(&nodes, ([-dx, 0.5], [NOTCH, 0.5]))?;
         let mut plate = Self { nodes, bonds, per_edge, cut, dt: 1e-6 };
@@ -81,11 +74,7 @@ impl Plate {
     }
 
     /// Loads the plate in tension until a time.
-    fn run(
-        &self,
-        pull: Pull,
-        until: f64,
-    ) -> Result<Simulation<f64, LatticeBody<f64, 2>, 2, 1>, CaseError> {
+    fn run(&self, pull: Pull, until: f64) -> Result<Simulation<f64, 2, 1>, CaseError> {
         let [low, high] = self.grips();
         let (n, rate) = (self.per_edge * self.per_edge, STRAIN * STRENGTH / until);
         let ramp = Program::Ramp { rate, until };
@@ -109,7 +98,7 @@ impl Plate {
             noise: Noise::new(1),
         };
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
-        let body = LatticeBody::new(nodes, bonds, Strain::Linear, STRENGTH)?;
+        let body = LatticeBody::<f64, 2>::new(nodes, bonds, Strain::Linear, STRENGTH)?;
         let mut run = Simulation::new(body, loading, config, [0])?;
         run.cut(&self.cut)?;
         Ok(run)

@@ -185,7 +185,7 @@ fn off(found: &Outcome, exact: &Outcome) -> f64 {
         / largest(&exact.forces)
 }
 
-/// Every path of a precision has the forces of the reference, and the same bits at every level.
+/// Every path of a precision has the forces of the reference, and is bitwise identical at every level.
 fn agrees<T: Real, const D: usize, const L: usize>(condition: Condition, tolerance: f64) {
     let case = Case::<D>::new(condition);
     for setup in setups() {

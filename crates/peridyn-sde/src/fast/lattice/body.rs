@@ -5,8 +5,9 @@ use std::marker::PhantomData;
 use rayon::prelude::*;
 use sde_integrators::SimdLevel;
 
+use super::band::{Band, Components};
 use super::grid::Grid;
-use super::rows::{Band, BandWork, Components, SolidSites};
+use super::rows::{BandWork, SolidSites};
 use super::stencil::GROUP;
 use crate::bodies::body::{AtStrength, Body, elastic_energy};
 use crate::bodies::bonds::Bonds;

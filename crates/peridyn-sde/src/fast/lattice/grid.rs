@@ -1,6 +1,6 @@
 //! The sites and bond vectors of a lattice, with the displacements at its sites.
 
-use super::rows::{Band, Components};
+use super::band::{Band, Components};
 use super::stencil::{Sites, Stencil};
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
@@ -37,7 +37,7 @@ impl<T: Real, const D: usize> Grid<T, D> {
         let (n_rows, of_band) = (self.sites.rows().len(), self.sites.rows_of_band());
         let band = |start: usize| {
             let rows = start..n_rows.min(start + of_band);
-            Band::new(rows, self, is_solid)
+            Band::new(rows, &self.sites, self.stencil.len(), is_solid)
         };
         (0..n_rows).step_by(of_band).map(band).collect()
     }

@@ -3,6 +3,7 @@
 //! Bonds of one vector from neighbouring nodes are computed side by side, in bands of rows in parallel. The force of a bond is that of
 //! [`bond_force`](super::bond_force); the code here finds ends in memory and adds to them.
 
+mod band;
 mod body;
 mod grid;
 mod rows;

@@ -24,8 +24,8 @@ use cpu_time::ProcessTime;
 use criterion::{Criterion, Throughput};
 use peridyn_sde::{
     AtStrength, Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon,
-    Influence, LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation, SimulationConfig,
-    SolidBonds, SolidLattice, SolidList, Strain, SurfaceCorrection, VolumeCorrection,
+    LatticeBody, Loading, Mobility, Nodes, Real, Scheme, Simulation, SimulationConfig, SolidBonds,
+    Strain,
 };
 use rayon::ThreadPoolBuilder;
 use sde_integrators::{Noise, Purpose, SimdLevel};
@@ -64,13 +64,7 @@ impl<const D: usize> Shape<D> {
     fn new(name: &'static str, edge: u32, condition: Condition) -> Self {
         let nodes =
             Nodes::lattice(1.0, ([0.0; D], [f64::from(edge); D]), condition, |_| true).unwrap();
-        let config = BondConfig {
-            horizon: Horizon::of_shells(3, 1.0).unwrap(),
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(3, 1.0).unwrap(), 1.0);
         let bonds = Bonds::new(&nodes, &config).unwrap();
         let solid = SolidBonds::new(&nodes, &config, POISSON_RATIO).unwrap();
         Self { name, nodes, bonds, solid }
@@ -81,15 +75,15 @@ impl<const D: usize> Shape<D> {
         LatticeBody::new(nodes, bonds, Strain::Finite, STRENGTH).unwrap().at_level(level)
     }
 
-    fn solid_lattice<T: Real>(&self, level: SimdLevel) -> SolidLattice<T, D> {
+    fn solid_lattice<T: Real>(&self, level: SimdLevel) -> LatticeBody<T, D> {
         let (nodes, solid) = (self.nodes.clone(), self.solid.clone());
-        SolidLattice::new(nodes, solid, Strain::Finite, STRENGTH).unwrap().at_level(level)
+        LatticeBody::of_solid(nodes, solid, Strain::Finite, STRENGTH).unwrap().at_level(level)
     }
 
-    fn solid_list<T: Real, const L: usize>(&self, level: SimdLevel) -> SolidList<T, D, L> {
-        let strengths = vec![vec![STRENGTH; self.bonds.len()]; L];
+    fn solid_list<T: Real, const L: usize>(&self, level: SimdLevel) -> BondList<T, D, L> {
+        let strengths = vec![STRENGTH; self.bonds.len()];
         let (nodes, solid) = (self.nodes.clone(), self.solid.clone());
-        SolidList::new(nodes, solid, Strain::Finite, &strengths).unwrap().at_level(level)
+        BondList::of_solid(nodes, solid, Strain::Finite, &strengths).unwrap().at_level(level)
     }
 
     fn list<T: Real, const L: usize>(&self, level: SimdLevel) -> BondList<T, D, L> {

@@ -2,11 +2,9 @@
 //!
 //! One body is a block with a list of bonds, the other a plate of a lattice.
 
-use std::marker::PhantomData;
-
 use peridyn_sde::{
-    Body, BondConfig, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Nodes,
-    Simulation, SimulationConfig, SurfaceCorrection, VolumeCorrection,
+    Body, BondConfig, Bonds, Breaking, Condition, Dynamics, Horizon, Loading, Nodes, Simulation,
+    SimulationConfig,
 };
 use sde_integrators::Noise;
 
@@ -43,22 +41,13 @@ pub(crate) fn body<const D: usize>(
     condition: Condition,
 ) -> Result<(Nodes<D>, Bonds), Failure> {
     let nodes = Nodes::lattice(1.0, ([0.0; D], [f64::from(edge); D]), condition, |_| true)?;
-    let config = BondConfig {
-        horizon: Horizon::of_shells(3, 1.0)?,
-        young_modulus: YOUNG_MODULUS,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(3, 1.0)?, YOUNG_MODULUS);
     let bonds = Bonds::new(&nodes, &config)?;
     Ok((nodes, bonds))
 }
 
-/// The library's step, for a body `B`.
-struct Ours<B, const D: usize> {
-    run: Simulation<f64, B, D, 1>,
-    body: PhantomData<B>,
-}
+/// The library's step.
+struct Ours<const D: usize>(Simulation<f64, D, 1>);
 
 /// The library's run of a body.
 pub(crate) fn ours<B: Body<f64, D, 1> + 'static, const D: usize>(
@@ -75,22 +64,22 @@ pub(crate) fn ours<B: Body<f64, D, 1> + 'static, const D: usize>(
     };
     let mut run = Simulation::new(body, Loading::new(n_nodes), config, [0])?;
     run.set_velocities(0, &velocities)?;
-    Ok(Box::new(Ours { run, body: PhantomData }))
+    Ok(Box::new(Ours(run)))
 }
 
-impl<B: Body<f64, D, 1>, const D: usize> Run for Ours<B, D> {
+impl<const D: usize> Run for Ours<D> {
     fn step(&mut self) -> Result<(), Failure> {
-        let report = self.run.step()?;
+        let report = self.0.step()?;
         if report.broken.is_empty() { Ok(()) } else { Err("a bond broke".into()) }
     }
 
     fn state(&self) -> State {
-        let u = self.run.displacements(0);
+        let u = self.0.displacements(0);
         let names = ["displacement x", "displacement y", "displacement z"];
         (0..D).map(|k| (names[k], u.iter().map(|u| u[k]).collect())).collect()
     }
 
     fn n_elements(&self) -> usize {
-        self.run.body().bonds().len()
+        self.0.body().bonds().len()
     }
 }

@@ -2,7 +2,7 @@
 
 use peridyn_sde::{
     Body, BondList, Bonds, Dynamics, EquilibriumConfig, Error, Loading, Simulation,
-    SimulationConfig, SolidList, Stiffness, between_nodes,
+    SimulationConfig, Stiffness, between_nodes,
 };
 use scene_runs::scene::Objection;
 use sde_integrators::Noise;
@@ -103,7 +103,7 @@ fn motion(
         noise: Noise::new(scene.ensemble.seed),
     };
     let body = probe(plate, stiffness).map_err(at("bonds"))?;
-    let probe = Simulation::new(body, still, simulation.clone(), [0])
+    let probe = Simulation::of_any(body, still, simulation.clone(), [0])
         .map_err(|error| of_simulation(&error))?;
     let (dt, z) = step(time, &simulation.dynamics, probe.relative_step())?;
     simulation.dt = dt;
@@ -115,7 +115,7 @@ fn probe(plate: &Plate, stiffness: Stiffness<'_>) -> Result<Box<dyn Body<f64, 2,
     let (nodes, bonds) = (plate.nodes.clone(), plate.bonds.clone());
     let strengths = vec![plate.stretch; bonds.len()];
     if let PlateLaw::LinearSolid(solid) = &plate.law {
-        let body = SolidList::<f64, 2, 1>::new(nodes, solid.clone(), plate.strain, &[strengths])?;
+        let body = BondList::of_solid(nodes, solid.clone(), plate.strain, &strengths)?;
         return Ok(Box::new(body));
     }
     let body = BondList::new(nodes, bonds, plate.strain, &strengths)?;
@@ -167,9 +167,8 @@ fn of_simulation(error: &Error) -> Objection {
     let path = match error {
         Error::NoPathBetween => "time.breaking",
         Error::MobilityOfPrescribed { .. } => "grips.hold",
-        Error::OutOfRange { name: "theta", .. } => "dynamics.overdamped.scheme.theta",
-        Error::OutOfRange { name: "confinement", .. }
-        | Error::NotFinite { name: "confinement", .. } => "time.confinement",
+        Error::Parameter { name: "theta", .. } => "dynamics.overdamped.scheme.theta",
+        Error::Parameter { name: "confinement", .. } => "time.confinement",
         _ => "dynamics",
     };
     Objection::new(path, error.to_string())

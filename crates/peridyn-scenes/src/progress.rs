@@ -6,7 +6,7 @@ use peridyn_sde::{CrackRun, CrackStudy, Error, GroupProgress, HaltedRun, RunOutc
 use scene_runs::RunError;
 use serde::{Deserialize, Serialize};
 
-use super::scene::{CrackScene, PrecisionScene};
+use super::scene::CrackScene;
 use super::scene_problem::CrackProblem;
 
 /// Realisations of a range so far.
@@ -93,10 +93,8 @@ fn ran(
     goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
 ) -> Result<RunOutcome, Error> {
     let keep = &scene.output.vtu;
-    match (scene.ensemble.precision, known) {
-        (PrecisionScene::F64, None) => study.run_while::<f64, 8>(round, keep, goes_on),
-        (PrecisionScene::F32, None) => study.run_while::<f32, 16>(round, keep, goes_on),
-        (PrecisionScene::F64, Some(known)) => study.resume_while::<f64, 8>(known, keep, goes_on),
-        (PrecisionScene::F32, Some(known)) => study.resume_while::<f32, 16>(known, keep, goes_on),
+    match known {
+        None => study.run_while(round, keep, goes_on),
+        Some(known) => study.resume_while(known, keep, goes_on),
     }
 }

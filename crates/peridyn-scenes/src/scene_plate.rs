@@ -3,8 +3,8 @@
 use peridyn_sde::law::Bilinear;
 use peridyn_sde::{
     BondConfig, BondOrder, BondValue, Bonds, Breaking, Condition, DisorderField, Error, Horizon,
-    LatticeBody, Nodes, SolidBonds, SolidLattice, Stiffness, Strain, Strength, StudyLaw,
-    WeibullStrength, critical_stretch, critical_stretch_of_solid,
+    LatticeBody, Nodes, SolidBonds, Stiffness, Strain, Strength, StudyLaw, WeibullStrength,
+    critical_stretch, critical_stretch_of_solid,
 };
 use random_fields::{Correlation, GaussianField};
 use scene_runs::scene::Objection;
@@ -194,7 +194,8 @@ pub(super) fn order(
         }
         (PlateLaw::LinearSolid(solid), Variation::Uniform) => {
             let is_uniform = matches!(strength, Variation::Uniform) && protected.is_empty();
-            is_uniform && SolidLattice::<f64, 2>::new(nodes, solid.clone(), strain, stretch).is_ok()
+            is_uniform
+                && LatticeBody::<f64, 2>::of_solid(nodes, solid.clone(), strain, stretch).is_ok()
         }
         _ => false,
     };
@@ -228,7 +229,7 @@ fn of_bonds(error: &Error, cloud: Option<&Cloud>) -> Objection {
             let message = format!("{row}: no other point lies within the horizon, {horizon} m");
             Objection::new("body.points", message)
         }
-        (Error::OutOfRange { name: "Poisson's ratio", .. }, _) => {
+        (Error::Parameter { name: "Poisson's ratio", .. }, _) => {
             Objection::new("material.law.linear_solid.poisson_ratio", error.to_string())
         }
         _ => Objection::new("bonds", error.to_string()),

@@ -1,7 +1,8 @@
 //! Conversion of a crack scene to the inputs of the solver.
 
 use peridyn_sde::{
-    BondOrder, Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Procedure, Strain,
+    BondOrder, Bonds, CrackStudy, Error, Loading, Nodes, Notch, PathConfig, Precision, Procedure,
+    Strain,
 };
 use scene_runs::scene::{NamedFile, Objection};
 use serde::Serialize;
@@ -9,7 +10,7 @@ use serde::Serialize;
 use super::constraints::{Constraints, LoadEnd, rate};
 use super::points::Cloud;
 use super::procedure::{Motion, SceneProcedure};
-use super::scene::CrackScene;
+use super::scene::{CrackScene, PrecisionScene};
 use super::scene_plate::{Plate, PlateLaw, Variation, order};
 
 /// All objects that a study borrows.
@@ -161,6 +162,10 @@ impl CrackProblem {
             bonds: &self.bonds,
             law: self.law.of_study(),
             order: self.order,
+            precision: match scene.ensemble.precision {
+                PrecisionScene::F64 => Precision::Double,
+                PrecisionScene::F32 => Precision::Single,
+            },
             strain: self.strain,
             strength: self.strength.strength(self.resolved.critical_stretch),
             stiffness: self.stiffness.stiffness(),

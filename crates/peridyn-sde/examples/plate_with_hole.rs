@@ -7,9 +7,9 @@
 
 use peridyn_sde::{
     BondConfig, BondOrder, BondValue, Bonds, Breaking, Condition, CrackStudy, DisorderField,
-    Dynamics, Error, Horizon, Influence, Loading, Nodes, Notch, PathConfig, Procedure, Program,
-    SimulationConfig, Stiffness, Strain, Strength, StudyLaw, SurfaceCorrection, VolumeCorrection,
-    critical_stretch,
+    Dynamics, Error, Horizon, Influence, Loading, Nodes, Notch, PathConfig, Precision, Procedure,
+    Program, SimulationConfig, Stiffness, Strain, Strength, StudyLaw, SurfaceCorrection,
+    VolumeCorrection, critical_stretch,
     statistics::{Bootstrap, CrackEnsemble},
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
@@ -88,6 +88,7 @@ fn main() -> Result<(), Error> {
         bonds: &bonds,
         law: StudyLaw::BondBased,
         order: BondOrder::List,
+        precision: Precision::Single,
         strain: Strain::Finite,
         strength: Strength::Field { field: &strength, value: BondValue::Mean },
         stiffness: Stiffness::Uniform,
@@ -101,7 +102,7 @@ fn main() -> Result<(), Error> {
         border: EDGE - radius,
         damage_threshold: 0.3,
     };
-    let run = study.run::<f32, 16>(0..REALISATIONS, &[])?;
+    let run = study.run(0..REALISATIONS, &[])?;
     let cracks = CrackEnsemble::new(REALISATIONS, run.records)?;
     for (outcome, probability) in cracks.outcomes()? {
         println!("{outcome:12} {probability}");

@@ -1,38 +1,22 @@
 //! What can go wrong, with the value and its limit.
 
+use std::fmt;
+
 use crate::real::Real;
 
 /// Why a body could not be made, bonded, or loaded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A parameter is NaN or infinite.
-    #[error("{name} is {value}; it must be finite")]
-    NotFinite {
+    /// A parameter does not meet its requirement.
+    #[error("{name} is {value}; it must {must}")]
+    Parameter {
         /// The parameter.
         name: &'static str,
         /// What was given.
         value: f64,
-    },
-    /// A parameter must be greater than zero.
-    #[error("{name} is {value}; it must be greater than 0 and finite")]
-    NotPositive {
-        /// The parameter.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-    },
-    /// A parameter lies outside an open interval.
-    #[error("{name} is {value}; it must lie between {from} and {to}")]
-    OutOfRange {
-        /// The parameter.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-        /// Below what is allowed.
-        from: f64,
-        /// Above what is allowed.
-        to: f64,
+        /// What it must be.
+        must: Requirement,
     },
     /// A horizon so short that nodes of a lattice have no bonds.
     #[error("the horizon is {value}; it must be greater than the spacing {spacing} of the nodes")]
@@ -62,14 +46,6 @@ pub enum Error {
     EmptyBody {
         /// The spacing.
         spacing: f64,
-    },
-    /// More nodes than an index holds.
-    #[error("{value} nodes; at most {limit} are possible")]
-    TooManyNodes {
-        /// How many.
-        value: usize,
-        /// The limit.
-        limit: usize,
     },
     /// A coordinate or a volume of a node cannot be.
     #[error("{name} of node {node} is {value}; it must be {must}")]
@@ -112,16 +88,18 @@ pub enum Error {
     /// Fewer of something than are needed.
     #[error("{value} {name}; at least {limit} are needed")]
     TooFew {
-        /// Of what.
+        /// What is counted.
         name: &'static str,
         /// How many.
         value: usize,
         /// How many are needed.
         limit: usize,
     },
-    /// More realisations than a sum holds.
-    #[error("{value} realisations; at most {limit} are possible")]
-    TooManyRealisations {
+    /// More of something than are possible.
+    #[error("{value} {name}; at most {limit} are possible")]
+    TooMany {
+        /// What is counted.
+        name: &'static str,
         /// How many.
         value: usize,
         /// The limit.
@@ -171,20 +149,6 @@ pub enum Error {
         node: usize,
         /// The spacing.
         spacing: f64,
-    },
-    /// A part of an ensemble that there is not.
-    #[error("shard {shard} of {n_shards}; shards are counted from 0")]
-    NoSuchShard {
-        /// Which.
-        shard: u64,
-        /// Of how many.
-        n_shards: u64,
-    },
-    /// A part of another ensemble.
-    #[error("shard {shard} is of another ensemble: shards, realisations, seed or precision differ")]
-    ForeignShard {
-        /// Which.
-        shard: u64,
     },
     /// A body whose state is more than which of its bonds are whole.
     #[error("the bonds of this body remember more than whether they are whole: it cannot be saved")]
@@ -282,7 +246,7 @@ pub enum Error {
         realisation: u64,
         /// `z` of the change over the step, in inertial dynamics `(omega h)^2`.
         value: f64,
-        /// Of the scheme.
+        /// The limit of the scheme.
         limit: f64,
         /// The step.
         dt: f64,
@@ -322,36 +286,15 @@ pub enum Error {
         /// What is asked.
         limit: f64,
     },
-    /// A load step that Newton's method does not follow.
-    #[error(
-        "the load step from {from} to {load} is too large: after {iterations} Newton steps the residual is {residual:e} of the \
-         reaction, {limit:e} is asked; take a smaller step"
-    )]
-    LoadStep {
-        /// The load before.
-        from: f64,
-        /// The load.
-        load: f64,
-        /// How many.
-        iterations: usize,
-        /// The residual over the reaction.
-        residual: f64,
-        /// What is asked.
-        limit: f64,
-    },
     /// A body that its prescribed displacements do not hold.
     #[error(
-        "load {load}: the stiffness is singular: a part of the body carries load and can move without stretching a bond; \
-         prescribe displacements that hold it"
+        "the stiffness is singular: a part of the body carries load and can move without stretching a bond; prescribe \
+         displacements that hold it"
     )]
-    SingularStiffness {
-        /// The load.
-        load: f64,
-    },
+    SingularStiffness,
     /// Equilibrium event by event under a load of another course.
     #[error(
-        "event by event all loads must be proportional to time: Program::Linear, or Program::Constant(0); for other programs \
-         go by load steps"
+        "event by event all loads must be proportional to time: Program::Linear, or Program::Constant(0)"
     )]
     NotProportional,
     /// Bonds whose tension is no secant times their stretch.
@@ -397,14 +340,9 @@ pub enum Error {
         /// How many nodes there are.
         n_nodes: usize,
     },
-    /// A node that does not exist.
-    #[error("there is no node {node}; the body has {n_nodes}")]
-    NoSuchNode {
-        /// The node.
-        node: usize,
-        /// How many there are.
-        n_nodes: usize,
-    },
+    /// Nodes whose neighbours cannot be found.
+    #[error(transparent)]
+    Neighbours(#[from] neighbour_search::Error),
     /// A factor of a covariance could not be made.
     #[error(transparent)]
     Factor(#[from] sde_integrators::Error),
@@ -413,8 +351,83 @@ pub enum Error {
     Field(#[from] random_fields::Error),
 }
 
+/// What a parameter must be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Requirement {
+    /// Finite.
+    Finite,
+    /// Greater than zero and finite.
+    Positive,
+    /// Zero or greater, and finite.
+    NotNegative,
+    /// Between two limits.
+    Between {
+        /// The lower one.
+        from: f64,
+        /// The upper one.
+        to: f64,
+    },
+}
+
+impl fmt::Display for Requirement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Finite => f.write_str("be finite"),
+            Self::Positive => f.write_str("be greater than 0 and finite"),
+            Self::NotNegative => f.write_str("be finite and not below 0"),
+            Self::Between { from, to } => write!(f, "lie between {from} and {to}"),
+        }
+    }
+}
+
+impl Requirement {
+    /// Refuses a parameter that is not as required.
+    pub(crate) fn check(self, name: &'static str, value: f64, is_met: bool) -> Result<(), Error> {
+        if is_met { Ok(()) } else { Err(Error::Parameter { name, value, must: self }) }
+    }
+}
+
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
+    Requirement::Finite.check(name, value, value.is_finite())
+}
+
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
+    Requirement::Positive.check(name, value, value.is_finite() && value > 0.0)
+}
+
+pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
+    Requirement::NotNegative.check(name, value, value.is_finite() && value >= 0.0)
+}
+
+/// Between the limits, which are excluded.
+pub(crate) fn between(name: &'static str, value: f64, from: f64, to: f64) -> Result<(), Error> {
+    Requirement::Between { from, to }.check(name, value, value > from && value < to)
+}
+
+/// Between the limits, which are included.
+pub(crate) fn from_to(name: &'static str, value: f64, from: f64, to: f64) -> Result<(), Error> {
+    Requirement::Between { from, to }.check(name, value, (from..=to).contains(&value))
+}
+
+pub(crate) fn at_least(name: &'static str, value: usize, limit: usize) -> Result<(), Error> {
+    if value < limit { Err(Error::TooFew { name, value, limit }) } else { Ok(()) }
+}
+
+pub(crate) fn at_most(name: &'static str, value: usize, limit: usize) -> Result<(), Error> {
+    if value > limit { Err(Error::TooMany { name, value, limit }) } else { Ok(()) }
+}
+
 pub(crate) fn same_length(name: &'static str, value: usize, expected: usize) -> Result<(), Error> {
     if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
+}
+
+/// Refuses the number of a node or bond that is not one of so many.
+pub(crate) fn exists(name: &'static str, number: usize, count: usize) -> Result<(), Error> {
+    if number < count {
+        Ok(())
+    } else {
+        Err(Error::Length { name, value: number, expected: count })
+    }
 }
 
 /// A number of a node in the precision of the body.
@@ -429,24 +442,4 @@ pub(crate) fn node_number<T: Real>(
     } else {
         Err(Error::Node { name, node, value, must: "finite in the precision of the body" })
     }
-}
-
-pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
-    if value.is_finite() { Ok(()) } else { Err(Error::NotFinite { name, value }) }
-}
-
-pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
-    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(Error::NotPositive { name, value }) }
-}
-
-pub(crate) fn between(name: &'static str, value: f64, from: f64, to: f64) -> Result<(), Error> {
-    if value > from && value < to {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange { name, value, from, to })
-    }
-}
-
-pub(crate) fn at_least(name: &'static str, value: usize, limit: usize) -> Result<(), Error> {
-    if value < limit { Err(Error::TooFew { name, value, limit }) } else { Ok(()) }
 }

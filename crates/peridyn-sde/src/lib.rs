@@ -2,7 +2,6 @@
 
 mod bodies;
 mod breaking;
-mod compiled;
 mod dynamics;
 mod ensemble;
 mod equilibrium;
@@ -28,26 +27,24 @@ pub use breaking::broken_bond::{BrokenBond, Cause};
 pub use breaking::crossing::Crossing;
 pub use dynamics::config::{Breaking, SimulationConfig};
 pub use dynamics::loading::{Loading, Program};
-pub use dynamics::report::{BrokenAt, StepReport};
+pub use dynamics::report::StepReport;
 pub use dynamics::saved::SavedState;
 pub use dynamics::scheme::{Dynamics, Scheme};
 pub use dynamics::simulation::Simulation;
 pub use ensemble::{
-    BondOrder, BrokenInStep, CrackRun, CrackShard, CrackStudy, FinalState, GroupProgress,
-    HaltedRun, Procedure, RunOutcome, Stiffness, Strength, StudyLaw, merge_shards,
+    BondOrder, BrokenInStep, CrackRun, CrackStudy, FinalState, GroupProgress, HaltedRun, Precision,
+    Procedure, RunOutcome, Stiffness, Strength, StudyLaw,
 };
-pub use equilibrium::{
-    Breakage, EquilibriumConfig, LoadStep, NextBreakage, QuasiStatic, Solved, envelope,
-};
-pub use error::Error;
-pub use fast::{BondList, LatticeBody, SolidLattice, SolidList};
+pub use equilibrium::{Breakage, EquilibriumConfig, NextBreakage, QuasiStatic, Solved, envelope};
+pub use error::{Error, Requirement};
+pub use fast::{BondList, LatticeBody};
 pub use law::BondLaw;
-pub use material::disorder::{BondValue, DisorderField, between_nodes, from_column};
+pub use material::disorder::{BondValue, DisorderField, between_nodes};
 pub use material::elasticity::{Condition, Influence, critical_stretch, micromodulus};
 pub use material::horizon::Horizon;
 pub use material::strain::Strain;
 pub use material::weakest_link::{StrengthElement, WeibullByVolume, WeibullStrength};
-pub use mobility::{CorrelatedMobility, DisplacementNoise, Mobility};
+pub use mobility::{CorrelatedMobility, Mobility};
 pub use path::{Branch, CrackPath, Fractured, Notch, PathConfig, crack_path};
 pub use real::Real;
 pub use solid::{SolidBonds, critical_stretch_of_solid};

@@ -32,7 +32,7 @@ pub trait Real: Float + Neg<Output = Self> + AddAssign + SubAssign {
     /// The nearest to a number.
     fn of(value: f64) -> Self;
 
-    /// As a double.
+    /// The same number as a double.
     fn to_f64(self) -> f64;
 
     /// Whether it is a number.

@@ -172,7 +172,7 @@ pub(crate) fn starts(plate: Plate) -> Result<(), TestCaseError> {
 }
 
 /// A plate of 25 nodes whose edges are held, in `L` lanes.
-fn held<T: Real, const L: usize>(is_inertial: bool) -> Simulation<T, BondList<T, 2, L>, 2, L> {
+fn held<T: Real, const L: usize>(is_inertial: bool) -> Simulation<T, 2, L> {
     let body = Body {
         spacing: 1.0,
         edge: 5.0,
@@ -197,7 +197,7 @@ fn held<T: Real, const L: usize>(is_inertial: bool) -> Simulation<T, BondList<T,
     let breaking = Breaking::AtEnds;
     let config = SimulationConfig { dynamics, dt: 1e-3, breaking, confinement: 0.0, noise };
     let strengths = vec![0.1; bonds.len()];
-    let list = BondList::new(nodes, bonds, Strain::Finite, &strengths).unwrap();
+    let list = BondList::<T, 2, L>::new(nodes, bonds, Strain::Finite, &strengths).unwrap();
     Simulation::new(list, loading, config, std::array::from_fn(|lane| lane as u64)).unwrap()
 }
 

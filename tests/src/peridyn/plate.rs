@@ -3,7 +3,7 @@
 use peridyn_sde::{
     BondConfig, Bonds, Breaking, Cause, Condition, CrackPath, Dynamics, Fractured, Horizon,
     Influence, LatticeBody, Loading, Nodes, Notch, PathConfig, Simulation, SimulationConfig,
-    Strain, SurfaceCorrection, VolumeCorrection, crack_path, critical_stretch,
+    Strain, crack_path, critical_stretch,
 };
 use sde_integrators::Noise;
 
@@ -54,13 +54,7 @@ impl Plate {
     /// # Errors
     /// Those of [`Bonds::new`].
     pub fn bonds(&self, nodes: &Nodes<2>) -> Result<Bonds, CaseError> {
-        let config = BondConfig {
-            horizon: self.horizon()?,
-            young_modulus: self.young_modulus,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(self.horizon()?, self.young_modulus);
         Ok(Bonds::new(nodes, &config)?)
     }
 
@@ -147,7 +141,7 @@ impl Plate {
         while run.time() < until {
             let report = run.step()?;
             let grown = report.broken.iter().filter(|broken| broken.cause != Cause::Cut);
-            breaks.extend(grown.map(|broken| (broken.bond, broken.time)));
+            breaks.extend(grown.map(|broken| (broken.bond, report.time)));
         }
         let (damage, horizon) = (run.damage(0), self.horizon()?.radius());
         Ok(Cracked { nodes, bonds, cut, breaks, damage, horizon, n_steps: run.steps() })

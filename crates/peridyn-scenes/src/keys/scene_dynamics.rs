@@ -291,11 +291,10 @@ impl MobilityScene {
                         "a smooth correlation needs a nugget: 0.1 is usual, 0.01 the least",
                     )
                 }
-                Error::NotPositive { name: "nugget", .. }
-                | Error::OutOfRange { name: "nugget", .. } => {
+                Error::Parameter { name: "nugget", .. } => {
                     Objection::new(format!("{at}.nugget"), error.to_string())
                 }
-                Error::NotPositive { name: "mobility", .. } => {
+                Error::Parameter { name: "mobility", .. } => {
                     Objection::new(format!("{at}.value"), error.to_string())
                 }
                 _ => Objection::new(at, error.to_string()),

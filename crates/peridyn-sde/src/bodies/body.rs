@@ -73,14 +73,7 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
 
     /// The energy of the bonds in a lane (energy).
     fn energy(&self, u: &[T], lane: usize) -> f64 {
-        let mut energy = 0.0;
-        for (bond, (ends, of)) in self.bonds().pairs().zip(self.bonds().all()).enumerate() {
-            if self.intact(bond) & 1 << lane != 0 {
-                let stretch = self.stretch(bond, ends, u, lane);
-                energy += 0.5 * of.stiffness * of.length * stretch.powi(2);
-            }
-        }
-        energy
+        elastic_energy(self, u, lane)
     }
 
     /// `-K v`: forces under small displacements `v` from rest, linear in them, of the bonds in their present state.
@@ -155,90 +148,23 @@ pub trait Body<T: Real, const D: usize, const L: usize>: Send {
     }
 }
 
-/// A body whose kind is known at run time.
-impl<T: Real, const D: usize, const L: usize> Body<T, D, L> for Box<dyn Body<T, D, L>> {
-    fn nodes(&self) -> &Nodes<D> {
-        (**self).nodes()
+/// The energy of elastic bonds of the stiffness in [`Bonds`], over those intact in a lane.
+pub(crate) fn elastic_energy<B, T: Real, const D: usize, const L: usize>(
+    body: &B,
+    u: &[T],
+    lane: usize,
+) -> f64
+where
+    B: Body<T, D, L> + ?Sized,
+{
+    let mut energy = 0.0;
+    for (bond, (ends, of)) in body.bonds().pairs().zip(body.bonds().all()).enumerate() {
+        if body.intact(bond) & 1 << lane != 0 {
+            let stretch = body.stretch(bond, ends, u, lane);
+            energy += 0.5 * of.stiffness * of.length * stretch.powi(2);
+        }
     }
-
-    fn bonds(&self) -> &Bonds {
-        (**self).bonds()
-    }
-
-    fn forces(&mut self, u: &[T], forces: &mut [T], at: AtStrength<'_>) -> Result<(), Error> {
-        (**self).forces(u, forces, at)
-    }
-
-    fn intact(&self, bond: usize) -> u16 {
-        (**self).intact(bond)
-    }
-
-    fn set_intact(&mut self, bond: usize, lanes: u16) {
-        (**self).set_intact(bond, lanes);
-    }
-
-    fn strain(&self) -> Strain {
-        (**self).strain()
-    }
-
-    fn strength(&self, bond: usize, lane: usize) -> f64 {
-        (**self).strength(bond, lane)
-    }
-
-    fn stretch(&self, bond: usize, ends: (usize, usize), u: &[T], lane: usize) -> f64 {
-        (**self).stretch(bond, ends, u, lane)
-    }
-
-    fn slope(&self, bond: usize, lane: usize) -> f64 {
-        (**self).slope(bond, lane)
-    }
-
-    fn bond_damage(&self, bond: usize, lane: usize) -> f64 {
-        (**self).bond_damage(bond, lane)
-    }
-
-    fn energy(&self, u: &[T], lane: usize) -> f64 {
-        (**self).energy(u, lane)
-    }
-
-    fn linear_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
-        (**self).linear_forces(v, forces)
-    }
-
-    fn secant(&self, bond: usize, lane: usize) -> f64 {
-        (**self).secant(bond, lane)
-    }
-
-    fn secant_forces(&mut self, v: &[T], forces: &mut [T]) -> Result<(), Error> {
-        (**self).secant_forces(v, forces)
-    }
-
-    fn next_stretch(&self, bond: usize, lane: usize) -> f64 {
-        (**self).next_stretch(bond, lane)
-    }
-
-    fn pass(&mut self, bond: usize, stretch: f64) {
-        (**self).pass(bond, stretch);
-    }
-
-    fn is_piecewise_linear(&self) -> bool {
-        (**self).is_piecewise_linear()
-    }
-
-    fn has_memory(&self) -> bool {
-        (**self).has_memory()
-    }
-
-    fn advance(
-        &mut self,
-        from: &[T],
-        to: &[T],
-        dt: f64,
-        crossing: Option<&mut Crossing<L>>,
-        broken: &mut Vec<BrokenBond>,
-    ) -> Result<(), Error> {
-        (**self).advance(from, to, dt, crossing, broken)
-    }
+    energy
 }
 
 /// Tests every intact bond over a step from one displacement to another.

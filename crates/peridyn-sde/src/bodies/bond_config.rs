@@ -58,6 +58,20 @@ pub struct BondConfig {
     pub surface_correction: SurfaceCorrection,
 }
 
+impl BondConfig {
+    /// Bonds of a constant influence, without corrections.
+    #[must_use]
+    pub const fn uncorrected(horizon: Horizon, young_modulus: f64) -> Self {
+        Self {
+            horizon,
+            young_modulus,
+            influence: Influence::Constant,
+            volume_correction: VolumeCorrection::None,
+            surface_correction: SurfaceCorrection::None,
+        }
+    }
+}
+
 impl Bonds {
     /// Bonds all nodes within the horizon of each other.
     ///
@@ -95,13 +109,7 @@ mod tests {
     fn every_bond_belongs_to_the_lower_of_its_nodes_in_ascending_order() {
         let (dx, plate) = (1e-3, Condition::PlaneStress { thickness: 1.0 });
         let nodes = Nodes::lattice(dx, ([0.0, -0.1], [0.1, 0.1]), plate, |_| true).unwrap();
-        let config = BondConfig {
-            horizon: Horizon::of_shells(3, dx).unwrap(),
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(3, dx).unwrap(), 1.0);
         let bonds = Bonds::new(&nodes, &config).unwrap();
         let pairs: Vec<_> = bonds.pairs().collect();
         assert!(pairs.iter().all(|(i, j)| i < j) && pairs.is_sorted());

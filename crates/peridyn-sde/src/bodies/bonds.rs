@@ -3,7 +3,7 @@
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 
 use crate::bodies::nodes::Nodes;
-use crate::error::Error;
+use crate::error::{Error, exists};
 
 /// What does not change of a bond.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,10 +35,7 @@ impl Bonds {
     ) -> Result<Self, Error> {
         let positions = nodes.positions();
         let mut list = NeighbourList::new();
-        // Nodes are finite and fewer than an index holds, and the radius is that of a checked horizon.
-        CellGrid::new()
-            .full_list(positions, Radii::Uniform(reach), &mut list)
-            .map_err(|_| Error::NotPositive { name: "horizon", value: horizon })?;
+        CellGrid::new().full_list(positions, Radii::Uniform(reach), &mut list)?;
         list.sort_rows();
         let n = positions.len();
         let (mut starts, mut partners, mut all) = (Vec::with_capacity(n + 1), vec![], vec![]);
@@ -156,10 +153,7 @@ impl Bonds {
 
 /// Numbers of bonds that exist.
 pub(crate) fn cut_numbers(bonds: &[usize], expected: usize) -> Result<(), Error> {
-    match bonds.iter().find(|&&bond| bond >= expected) {
-        Some(&value) => Err(Error::Length { name: "the number of a bond to cut", value, expected }),
-        None => Ok(()),
-    }
+    bonds.iter().try_for_each(|&bond| exists("the number of a bond to cut", bond, expected))
 }
 
 fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {

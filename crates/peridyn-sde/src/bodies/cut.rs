@@ -2,7 +2,7 @@
 
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
-use crate::error::{Error, finite, positive};
+use crate::error::{Error, finite, positive, same_length};
 
 /// A node this near to the surface of a notch, over the length of the bond, lies on it: places are products of a spacing, with
 /// their roundoff.
@@ -11,7 +11,7 @@ const ON_SURFACE: f64 = 1e-9;
 /// A flat piece with straight edges: all points `origin + sum_k a_k edge_k` with every `a_k` from 0 to 1.
 struct Piece<const D: usize, const E: usize> {
     origin: [f64; D],
-    /// Of length one.
+    /// The normal of the piece, of length one.
     normal: [f64; D],
     /// `a_k` of a point is its distance to the origin times this.
     duals: [[f64; D]; E],
@@ -57,8 +57,8 @@ impl Bonds {
     /// touches it is cut.
     ///
     /// # Errors
-    /// [`Error::Length`] where the nodes are not those of these bonds; [`Error::NotFinite`] for an end;
-    /// [`Error::NotPositive`] for a notch without length; [`Error::NotchOutsideBody`] where it cuts nothing.
+    /// [`Error::Length`] where the nodes are not those of these bonds; [`Error::Parameter`] for an end;
+    /// [`Error::Parameter`] for a notch without length; [`Error::NotchOutsideBody`] where it cuts nothing.
     pub fn across_segment(
         &self,
         nodes: &Nodes<2>,
@@ -79,18 +79,10 @@ impl Bonds {
     /// (lengths). One that only touches it is cut.
     ///
     /// ```
-    /// use peridyn_sde::{
-    ///     BondConfig, Bonds, Condition, Horizon, Influence, Nodes, SurfaceCorrection, VolumeCorrection,
-    /// };
+    /// use peridyn_sde::{BondConfig, Bonds, Condition, Horizon, Nodes};
     ///
     /// let nodes = Nodes::lattice(1.0, ([0.0; 3], [4.0; 3]), Condition::Solid, |_| true)?;
-    /// let config = BondConfig {
-    ///     horizon: Horizon::of_shells(1, 1.0)?,
-    ///     young_modulus: 1.0,
-    ///     influence: Influence::Constant,
-    ///     volume_correction: VolumeCorrection::None,
-    ///     surface_correction: SurfaceCorrection::None,
-    /// };
+    /// let config = BondConfig::uncorrected(Horizon::of_shells(1, 1.0)?, 1.0);
     /// let bonds = Bonds::new(&nodes, &config)?;
     /// // Half of the plane between the second and the third layer.
     /// let cut = bonds.across_plane(&nodes, [0.0, 0.0, 2.0], [[2.0, 0.0, 0.0], [0.0, 4.0, 0.0]])?;
@@ -99,7 +91,7 @@ impl Bonds {
     /// ```
     ///
     /// # Errors
-    /// As [`Bonds::across_segment`], with [`Error::NotPositive`] for a notch without area.
+    /// As [`Bonds::across_segment`], with [`Error::Parameter`] for a notch without area.
     pub fn across_plane(
         &self,
         nodes: &Nodes<3>,
@@ -126,10 +118,7 @@ impl Bonds {
         piece: &Piece<D, E>,
     ) -> Result<Vec<usize>, Error> {
         let positions = nodes.positions();
-        if positions.len() != self.n_nodes() {
-            let (value, expected) = (positions.len(), self.n_nodes());
-            return Err(Error::Length { name: "nodes", value, expected });
-        }
+        same_length("nodes", positions.len(), self.n_nodes())?;
         let cut: Vec<usize> = (0..)
             .zip(self.pairs())
             .filter(|&(_, (i, j))| piece.crosses(&positions[i], &positions[j]))
@@ -146,17 +135,11 @@ fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BondConfig, Condition, Horizon, Influence, SurfaceCorrection, VolumeCorrection};
+    use crate::{BondConfig, Condition, Horizon};
 
     fn body<const D: usize>(side: f64, condition: Condition) -> (Nodes<D>, Bonds) {
         let nodes = Nodes::lattice(0.1, ([0.0; D], [side; D]), condition, |_| true).unwrap();
-        let config = BondConfig {
-            horizon: Horizon::of_shells(2, 0.1).unwrap(),
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(2, 0.1).unwrap(), 1.0);
         let bonds = Bonds::new(&nodes, &config).unwrap();
         (nodes, bonds)
     }
@@ -210,14 +193,14 @@ mod tests {
     fn notches_without_extent_and_outside_are_refused() {
         let (nodes, bonds) = body::<3>(0.4, Condition::Solid);
         let flat = bonds.across_plane(&nodes, [0.0; 3], [[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]);
-        assert!(matches!(flat, Err(Error::NotPositive { name: "area of the notch", .. })));
+        assert!(matches!(flat, Err(Error::Parameter { name: "area of the notch", .. })));
         let edges = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let outside = bonds.across_plane(&nodes, [0.0, 0.0, 5.0], edges);
         assert_eq!(outside, Err(Error::NotchOutsideBody));
         let infinite = bonds.across_plane(&nodes, [0.0, 0.0, f64::INFINITY], edges);
-        assert!(matches!(infinite, Err(Error::NotFinite { .. })));
+        assert!(matches!(infinite, Err(Error::Parameter { .. })));
         let (plate, flat) = body::<2>(0.4, Condition::PlaneStress { thickness: 1.0 });
         let point = flat.across_segment(&plate, ([0.2; 2], [0.2; 2]));
-        assert!(matches!(point, Err(Error::NotPositive { name: "length of the notch", .. })));
+        assert!(matches!(point, Err(Error::Parameter { name: "length of the notch", .. })));
     }
 }

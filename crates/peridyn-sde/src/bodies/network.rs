@@ -33,7 +33,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     /// A body as yet untouched; `strengths` are the stretches at which bonds break, in the order of [`Bonds::all`].
     ///
     /// # Errors
-    /// [`Error::Length`] where nodes, bonds and strengths are not of one body; [`Error::NotPositive`] for a strength.
+    /// [`Error::Length`] where nodes, bonds and strengths are not of one body; [`Error::Parameter`] for a strength.
     pub fn new(nodes: Nodes<D>, bonds: Bonds, law: L, strengths: Vec<f64>) -> Result<Self, Error> {
         let expected = bonds.n_nodes();
         same_length("nodes", nodes.positions().len(), expected)?;
@@ -115,7 +115,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     /// on a straight line of its stretch.
     ///
     /// # Errors
-    /// As [`Network::forces`]; [`Error::NotPositive`] for the step.
+    /// As [`Network::forces`]; [`Error::Parameter`] for the step.
     pub fn advance(&mut self, from: &[[f64; D]], to: &[[f64; D]], dt: f64) -> Result<(), Error> {
         crate::error::positive("step", dt)?;
         self.check(from)?;
@@ -137,20 +137,7 @@ impl<L: BondLaw, const D: usize> Network<L, D> {
     /// The damage of each node: the part of its bonds that is lost, each weighed by its stiffness.
     #[must_use]
     pub fn damage(&self) -> Vec<f64> {
-        let n = self.bonds.n_nodes();
-        let (mut lost, mut all) = (vec![0.0; n], vec![0.0; n]);
-        for i in 0..n {
-            for bond in self.bonds.row(i) {
-                let j = self.bonds.partner(bond);
-                let stiffness = self.bonds.all()[bond].stiffness;
-                let damage = self.damage_of(bond);
-                for node in [i, j] {
-                    lost[node] += stiffness * damage;
-                    all[node] += stiffness;
-                }
-            }
-        }
-        lost.iter().zip(&all).map(|(lost, all)| lost / all).collect()
+        self.bonds.damage_of_nodes(|bond| self.damage_of(bond))
     }
 
     fn damage_of(&self, bond: usize) -> f64 {

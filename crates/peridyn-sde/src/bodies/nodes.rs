@@ -1,6 +1,6 @@
 //! Where the body is: nodes with their volumes.
 
-use crate::error::{Error, finite, positive};
+use crate::error::{Error, at_most, finite, positive, same_length};
 use crate::material::elasticity::Condition;
 
 /// Nodes of a body in `D` dimensions.
@@ -27,7 +27,7 @@ impl<const D: usize> Nodes<D> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for the spacing, [`Error::NotFinite`] for a corner, and those of [`Nodes::new`].
+    /// [`Error::Parameter`] for the spacing or a corner, and those of [`Nodes::new`].
     pub fn lattice(
         spacing: f64,
         (low, high): ([f64; D], [f64; D]),
@@ -48,7 +48,7 @@ impl<const D: usize> Nodes<D> {
             count[k] = along;
         }
         let total = count.iter().fold(1_usize, |product, &along| product.saturating_mul(along));
-        most(total)?;
+        at_most("nodes", total, MOST_NODES)?;
         let place = |index: usize| {
             let mut rest = index;
             std::array::from_fn(|k| {
@@ -66,7 +66,7 @@ impl<const D: usize> Nodes<D> {
     /// Nodes at given places (lengths) with given volumes (lengths cubed); `spacing` is how far they are apart.
     ///
     /// # Errors
-    /// [`Error::EmptyBody`], [`Error::TooManyNodes`], [`Error::Length`], [`Error::Node`] for a place that is not finite or a
+    /// [`Error::EmptyBody`], [`Error::TooMany`], [`Error::Length`], [`Error::Node`] for a place that is not finite or a
     /// volume that is not positive, [`Error::Dimension`] for a condition of another dimension.
     pub fn new(
         positions: Vec<[f64; D]>,
@@ -83,11 +83,8 @@ impl<const D: usize> Nodes<D> {
         if positions.is_empty() {
             return Err(Error::EmptyBody { spacing });
         }
-        most(positions.len())?;
-        if volumes.len() != positions.len() {
-            let (value, expected) = (volumes.len(), positions.len());
-            return Err(Error::Length { name: "volumes", value, expected });
-        }
+        at_most("nodes", positions.len(), MOST_NODES)?;
+        same_length("volumes", volumes.len(), positions.len())?;
         for (node, (place, &volume)) in positions.iter().zip(&volumes).enumerate() {
             if let Some(&value) = place.iter().find(|x| !x.is_finite()) {
                 return Err(Error::Node { name: "a coordinate", node, value, must: "finite" });
@@ -126,7 +123,4 @@ impl<const D: usize> Nodes<D> {
 }
 
 /// An index of a node has 32 bits.
-fn most(value: usize) -> Result<(), Error> {
-    let limit = u32::MAX as usize;
-    if value > limit { Err(Error::TooManyNodes { value, limit }) } else { Ok(()) }
-}
+const MOST_NODES: usize = u32::MAX as usize;

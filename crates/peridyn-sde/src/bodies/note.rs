@@ -6,7 +6,6 @@ use crate::bodies::bonds::{Bond, Bonds};
 use crate::bodies::nodes::Nodes;
 use crate::dynamics::scheme::{Dynamics, Scheme};
 use crate::error::{Error, positive};
-use crate::material::elasticity::Condition;
 use crate::mobility::Mobility;
 
 /// The method of the source note, eq 1 to 4 to the letter, kept to be compared with.
@@ -34,7 +33,7 @@ impl NoteAsPrinted {
     /// The bonds of the note.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a constant; [`Error::LooseNode`] for a node without a bond.
+    /// [`Error::Parameter`] for a constant; [`Error::LooseNode`] for a node without a bond.
     pub fn bonds<const D: usize>(&self, nodes: &Nodes<D>) -> Result<Bonds, Error> {
         positive("bulk modulus", self.bulk_modulus)?;
         positive("horizon", self.horizon)?;
@@ -49,27 +48,10 @@ impl NoteAsPrinted {
     /// The dynamics of the note, with a mobility `C/eta`.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for `eta`.
+    /// [`Error::Parameter`] for `eta`.
     pub fn dynamics(&self, mobility: Mobility) -> Result<Dynamics, Error> {
         positive("eta", self.eta)?;
         let (temperature, scheme) = (self.eta, Scheme::EulerMaruyama);
         Ok(Dynamics::Overdamped { mobility, temperature, scheme })
-    }
-
-    /// The stiffness of a bond of the note over that of one in the body that is meant, `c V^2` with the right constant, for nodes of
-    /// one volume and `K = E/(3 (1 - 2 nu))` with Poisson's ratio of the condition.
-    ///
-    /// # Errors
-    /// As [`micromodulus`](crate::micromodulus).
-    pub fn stiffness_ratio(&self, volume: f64, condition: Condition) -> Result<f64, Error> {
-        let young_modulus = 3.0 * self.bulk_modulus * (1.0 - 2.0 * condition.poisson_ratio());
-        let influence = crate::material::elasticity::Influence::Constant;
-        let meant = crate::material::elasticity::micromodulus(
-            young_modulus,
-            self.horizon,
-            influence,
-            condition,
-        )?;
-        Ok(18.0 * self.bulk_modulus / (PI * self.horizon.powi(4) * meant * volume))
     }
 }

@@ -1,7 +1,7 @@
 //! Where bonds break.
 //!
 //! Three rules find bonds that break and leave them intact: forces that find a stretch at its strength
-//! ([`AtStrength::Break`](crate::AtStrength::Break), for the wide paths `SquaredElongation::at_limit`), the bridge between the ends
+//! ([`AtStrength::Break`](crate::AtStrength::Break), for wide registers `SquaredElongation::pull`), the bridge between the ends
 //! of a step ([`Crossing`](crate::Crossing)), and the law of a body with memory ([`BondLaw`](crate::BondLaw)). Every scheme and
 //! every body hands what they find to one function, [`Failures::apply`].
 

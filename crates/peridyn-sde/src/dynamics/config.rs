@@ -2,8 +2,8 @@
 
 use sde_integrators::Noise;
 
-use crate::dynamics::scheme::{Dynamics, not_negative};
-use crate::error::{Error, finite, positive};
+use crate::dynamics::scheme::Dynamics;
+use crate::error::{Error, not_negative, positive};
 
 /// When bond failure is checked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +34,6 @@ pub struct SimulationConfig {
 impl SimulationConfig {
     pub(crate) fn check(&self) -> Result<(), Error> {
         positive("step", self.dt)?;
-        finite("confinement", self.confinement)?;
         not_negative("confinement", self.confinement)?;
         self.dynamics.check()
     }

@@ -1,10 +1,10 @@
 //! Boundary conditions and loads: prescribed displacements and velocities, forces.
 
 use crate::bodies::nodes::Nodes;
-use crate::error::{Error, finite, positive, same_length};
+use crate::error::{Error, exists, finite, positive, same_length};
 
 /// A number over time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Program {
     /// The same always.
     Constant(f64),
@@ -20,59 +20,26 @@ pub enum Program {
         /// Until when (time).
         until: f64,
     },
-    /// Straight lines between times and values; the first value before, the last one after.
-    Table(Vec<(f64, f64)>),
 }
 
 impl Program {
     /// The number at a time.
     #[must_use]
-    pub fn at(&self, t: f64) -> f64 {
+    pub fn at(self, t: f64) -> f64 {
         match self {
-            Self::Constant(value) => *value,
+            Self::Constant(value) => value,
             Self::Linear { rate } => rate * t,
-            Self::Ramp { rate, until } => rate * t.min(*until),
-            Self::Table(table) => {
-                let above = table.partition_point(|&(time, _)| time <= t);
-                match (above.checked_sub(1).map(|below| table[below]), table.get(above)) {
-                    (Some((t0, a)), Some(&(t1, b))) => a + (b - a) * (t - t0) / (t1 - t0),
-                    (Some((_, last)), None) => last,
-                    (None, first) => first.map_or(0.0, |&(_, value)| value),
-                }
-            }
+            Self::Ramp { rate, until } => rate * t.min(until),
         }
     }
 
-    fn check(&self) -> Result<(), Error> {
+    fn check(self) -> Result<(), Error> {
         match self {
-            Self::Constant(value) => finite("value of a program", *value),
-            Self::Linear { rate } => finite("rate of a program", *rate),
+            Self::Constant(value) => finite("value of a program", value),
+            Self::Linear { rate } => finite("rate of a program", rate),
             Self::Ramp { rate, until } => {
-                finite("rate of a ramp", *rate)?;
-                positive("end of a ramp", *until)
-            }
-            Self::Table(table) => {
-                if table.is_empty() {
-                    return Err(Error::Length {
-                        name: "table of a program",
-                        value: 0,
-                        expected: 1,
-                    });
-                }
-                for (at, &(time, value)) in table.iter().enumerate() {
-                    finite("time in a program", time)?;
-                    finite("value of a program", value)?;
-                    if at > 0 && time <= table[at - 1].0 {
-                        let (name, from) = ("time in a program", table[at - 1].0);
-                        return Err(Error::OutOfRange {
-                            name,
-                            value: time,
-                            from,
-                            to: f64::INFINITY,
-                        });
-                    }
-                }
-                Ok(())
+                finite("rate of a ramp", rate)?;
+                positive("end of a ramp", until)
             }
         }
     }
@@ -143,8 +110,8 @@ impl<const D: usize> Loading<D> {
     /// Prescribes the displacement `program(t) unit` of nodes (lengths) in some directions.
     ///
     /// # Errors
-    /// [`Error::Length`] for a node that does not exist, [`Error::NotFinite`], [`Error::OutOfRange`] for a table whose times do
-    /// not ascend, [`Error::PrescribedTwice`].
+    /// [`Error::Length`] for a node that does not exist, [`Error::Parameter`] for a number that is not finite or a ramp
+    /// that ends at no time after 0, [`Error::PrescribedTwice`].
     pub fn displace(
         mut self,
         nodes: &[usize],
@@ -187,7 +154,7 @@ impl<const D: usize> Loading<D> {
     /// A force on each of some nodes (force): `program(t) force`.
     ///
     /// # Errors
-    /// [`Error::Length`], [`Error::NotFinite`], [`Error::OutOfRange`], as [`Loading::displace`].
+    /// [`Error::Length`], [`Error::Parameter`], as [`Loading::displace`].
     pub fn force(
         mut self,
         nodes: &[usize],
@@ -202,24 +169,6 @@ impl<const D: usize> Loading<D> {
         }
         self.loads.push(Load { program, nodes: nodes.to_vec(), force: force.to_vec() });
         Ok(self)
-    }
-
-    /// A force density on some nodes (force over volume), as of a traction spread over a layer.
-    ///
-    /// # Errors
-    /// As [`Loading::force`].
-    pub fn body_force(
-        self,
-        of: &Nodes<D>,
-        nodes: &[usize],
-        density: [f64; D],
-        program: Program,
-    ) -> Result<Self, Error> {
-        same_length("nodes", of.positions().len(), self.n_nodes)?;
-        self.exist(nodes)?;
-        let force: Vec<_> =
-            nodes.iter().map(|&node| density.map(|b| b * of.volumes()[node])).collect();
-        self.force(nodes, &force, program)
     }
 
     /// Which displacement components of which nodes are prescribed.
@@ -268,12 +217,7 @@ impl<const D: usize> Loading<D> {
     }
 
     fn exist(&self, nodes: &[usize]) -> Result<(), Error> {
-        match nodes.iter().find(|&&node| node >= self.n_nodes) {
-            Some(&value) => {
-                Err(Error::Length { name: "the number of a node", value, expected: self.n_nodes })
-            }
-            None => Ok(()),
-        }
+        nodes.iter().try_for_each(|&node| exists("the number of a node", node, self.n_nodes))
     }
 
     fn prescribe(&mut self, nodes: &[usize], directions: [bool; D]) -> Result<(), Error> {
@@ -305,15 +249,12 @@ mod tests {
 
     #[test]
     fn programs_are_what_they_say() {
-        let table = Program::Table(vec![(1.0, 2.0), (3.0, 6.0)]);
-        for (t, value) in [(0.0, 2.0), (1.0, 2.0), (2.0, 4.0), (3.0, 6.0), (9.0, 6.0)] {
-            assert!((table.at(t) - value).abs() < 1e-15, "{t}");
-        }
         let ramp = Program::Ramp { rate: 2.0, until: 3.0 };
         assert!((ramp.at(1.0) - 2.0).abs() < 1e-15 && (ramp.at(7.0) - 6.0).abs() < 1e-15);
-        let twice = Program::Table(vec![(1.0, 2.0), (1.0, 6.0)]);
-        assert!(matches!(twice.check(), Err(Error::OutOfRange { .. })));
-        assert!(Program::Table(vec![]).check().is_err());
+        assert!(matches!(
+            Program::Ramp { rate: 2.0, until: 0.0 }.check(),
+            Err(Error::Parameter { .. })
+        ));
     }
 
     #[test]

@@ -3,13 +3,12 @@
 use sde_integrators::SimdLevel;
 
 use crate::bodies::body::{AtStrength, Body};
-use crate::breaking::broken_bond::BrokenBond;
 use crate::breaking::crossing::Crossing;
 use crate::breaking::failure::Failures;
 use crate::dynamics::config::{Breaking, SimulationConfig};
 use crate::dynamics::kicks::{Kicks, Which};
 use crate::dynamics::loading::Loading;
-use crate::dynamics::report::{BrokenAt, StepReport};
+use crate::dynamics::report::StepReport;
 use crate::dynamics::resistance::Resistance;
 use crate::dynamics::scheme::Dynamics;
 use crate::dynamics::stiffest::stiffest;
@@ -30,7 +29,7 @@ pub(crate) struct Motion<T, const D: usize, const L: usize> {
     pub(crate) u: Vec<T>,
     /// Velocities.
     pub(crate) v: Vec<T>,
-    /// Of the last evaluation.
+    /// Forces of the bonds at the last evaluation.
     pub(crate) bond_forces: Vec<T>,
     /// All forces, then `M f`.
     pub(crate) drift: Vec<T>,
@@ -137,17 +136,8 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
     }
 
     fn report(&mut self) -> StepReport {
-        let (step, time) = (self.step, self.time);
         self.swing.leave_out(self.failures.lanes());
-        let broken = self.failures.take().into_iter();
-        let broken = broken.map(|BrokenBond { bond, lanes, cause }| BrokenAt {
-            bond,
-            lanes,
-            cause,
-            step,
-            time,
-        });
-        StepReport { step, time, broken: broken.collect() }
+        StepReport { step: self.step, time: self.time, broken: self.failures.take() }
     }
 
     /// Forces at the displacements of a finished step: bonds at their strength break.
@@ -186,8 +176,8 @@ impl<T: Real, const D: usize, const L: usize> Motion<T, D, L> {
             spacing: body.nodes().spacing(),
             driven: if self.loading.is_driven() { &driven } else { &still },
         };
-        let seen = (&self.u[..], &self.bond_forces[..]);
-        self.swing.see::<D, L>(seen, values, self.failures.lanes(), &at)
+        let evaluated = (&self.u[..], &self.bond_forces[..]);
+        self.swing.check::<D, L>(evaluated, values, self.failures.lanes(), &at)
     }
 
     /// `h`, in inertial dynamics its square.

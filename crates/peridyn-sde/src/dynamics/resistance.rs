@@ -3,25 +3,25 @@
 use crate::bodies::body::Body;
 use crate::dynamics::loading::Loading;
 use crate::dynamics::scheme::Dynamics;
-use crate::error::Error;
+use crate::error::{Error, same_length};
 use crate::mobility::Mobility;
 use crate::real::Real;
 
 /// Mobility or inverse mass of each unknown, or a mobility that couples nodes.
 #[derive(Debug, Clone)]
 pub(crate) enum Resistance<T> {
-    /// Of each component of each node; zero where its displacement is prescribed.
+    /// The mobility, or inverse mass, of each component of each node; zero where its displacement is prescribed.
     Diagonal {
         /// `M`.
         values: Vec<T>,
         /// `L = sqrt(M)`.
         factor: Vec<T>,
     },
-    /// Of whole nodes.
+    /// A mobility that couples whole nodes.
     Coupled {
         /// `M`.
         mobility: Mobility,
-        /// Of the displacements.
+        /// Components of a displacement.
         dimension: usize,
     },
 }
@@ -38,10 +38,7 @@ impl<T: Real> Resistance<T> {
                 body.nodes().volumes().iter().map(|volume| 1.0 / (density * volume)).collect()
             }
             Dynamics::Overdamped { mobility, .. } => {
-                let (value, expected) = (mobility.n_nodes(), prescribed.len());
-                if value != expected {
-                    return Err(Error::Length { name: "nodes of the mobility", value, expected });
-                }
+                same_length("nodes of the mobility", mobility.n_nodes(), prescribed.len())?;
                 let Some(diagonal) = mobility.diagonal() else {
                     return Self::coupled(mobility, prescribed);
                 };
@@ -98,10 +95,10 @@ impl<T: Real> Resistance<T> {
                         relative += n * n * both;
                     }
                 }
-                Self::Coupled { mobility, .. } => relative = mobility.relative(i, j)?,
+                Self::Coupled { mobility, .. } => relative = mobility.relative(i, j),
             }
-            Ok(2.0 * dynamics.temperature() * relative / (length * length))
+            2.0 * dynamics.temperature() * relative / (length * length)
         };
-        bonds.pairs().zip(bonds.all()).map(|(pair, of)| rate((pair, of.length))).collect()
+        Ok(bonds.pairs().zip(bonds.all()).map(|(pair, of)| rate((pair, of.length))).collect())
     }
 }

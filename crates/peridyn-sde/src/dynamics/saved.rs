@@ -1,7 +1,6 @@
 //! Saved states.
 
 use crate::bodies::body::Body;
-use crate::compiled::motions;
 use crate::dynamics::motion::Motion;
 use crate::dynamics::simulation::Simulation;
 use crate::error::{Error, node_number, same_length};
@@ -25,13 +24,13 @@ pub struct SavedState {
     pub whole: Vec<u16>,
 }
 
-impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B, D, L> {
+impl<T: Real, const D: usize, const L: usize> Simulation<T, D, L> {
     /// The state in `f64`; numbers of `f32` are exact in it.
     ///
     /// # Errors
     /// [`Error::NotSaved`] for a body whose bonds remember more than whether they are intact.
     pub fn save(&self) -> Result<SavedState, Error> {
-        self.motion.save(&self.body)
+        self.motion.save(&*self.body)
     }
 
     /// Continues from a saved state of the same body, loading and configuration.
@@ -42,10 +41,10 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// [`Error::SavedBond`] for a lane that does not exist, [`Error::Node`] for a number that is not finite in the precision of
     /// the body. Then those of the forces, after which it is not to be used.
     pub fn restore(&mut self, saved: &SavedState) -> Result<(), Error> {
-        self.motion.restore(&mut self.body, saved)?;
+        self.motion.restore(&mut *self.body, saved)?;
         // Leimkuhler and Matthews' method draws the kick of the step before again.
         self.stepper = Stepper::new(&self.motion.config.dynamics, self.motion.u.len());
-        (motions().evaluate)(&mut self.motion, &mut self.body)
+        self.motion.evaluate_intact(&mut *self.body)
     }
 }
 

@@ -1,6 +1,6 @@
 //! How displacements follow from forces, and by which steps.
 
-use crate::error::{Error, finite, positive};
+use crate::error::{Error, from_to, not_negative, positive};
 use crate::mobility::Mobility;
 
 /// What moves the nodes.
@@ -111,29 +111,16 @@ impl Dynamics {
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let temperature = self.temperature();
-        finite("temperature", temperature)?;
-        not_negative("temperature", temperature)?;
+        not_negative("temperature", self.temperature())?;
         match self {
             Self::Overdamped { scheme: Scheme::Theta(theta), .. } => {
-                let (name, value) = ("theta", *theta);
-                let range = Error::OutOfRange { name, value, from: 0.0, to: 1.0 };
-                if (0.0..=1.0).contains(theta) { Ok(()) } else { Err(range) }
+                from_to("theta", *theta, 0.0, 1.0)
             }
             Self::Overdamped { .. } => Ok(()),
             Self::Inertial { density, friction, .. } => {
                 positive("density", *density)?;
-                finite("friction", *friction)?;
                 not_negative("friction", *friction)
             }
         }
-    }
-}
-
-pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
-    if value < 0.0 {
-        Err(Error::OutOfRange { name, value, from: 0.0, to: f64::INFINITY })
-    } else {
-        Ok(())
     }
 }

@@ -1,7 +1,8 @@
 //! A body in time: `L` realisations of it, step by step.
 
+use std::fmt;
+
 use crate::bodies::body::Body;
-use crate::compiled::motions;
 use crate::dynamics::config::SimulationConfig;
 use crate::dynamics::loading::Loading;
 use crate::dynamics::motion::{Column, Motion, of_lane};
@@ -11,30 +12,52 @@ use crate::real::Real;
 use crate::steps::Stepper;
 
 /// A body in time, `L` realisations side by side.
-#[derive(Debug)]
-pub struct Simulation<T: Real, B, const D: usize, const L: usize> {
-    pub(crate) body: B,
+pub struct Simulation<T: Real, const D: usize, const L: usize> {
+    pub(crate) body: Box<dyn Body<T, D, L>>,
     pub(crate) motion: Motion<T, D, L>,
     pub(crate) stepper: Stepper<T>,
     /// The largest `z`, or the square of `omega h`.
     relative_step: f64,
 }
 
-impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B, D, L> {
+impl<T: Real, const D: usize, const L: usize> fmt::Debug for Simulation<T, D, L> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Simulation").field("motion", &self.motion).finish_non_exhaustive()
+    }
+}
+
+impl<T: Real, const D: usize, const L: usize> Simulation<T, D, L> {
     /// A body at rest at time 0, whose realisations have these numbers.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for the step, [`Error::OutOfRange`] for a negative temperature, friction or confinement;
+    /// [`Error::Parameter`] for the step, or for a negative temperature, friction or confinement;
     /// [`Error::Length`] for a loading or a mobility of another body; [`Error::Unstable`] for a step beyond the stable range of
     /// the scheme; [`Error::NoPathBetween`] for a bridge where there can be none.
     pub fn new(
-        mut body: B,
+        body: impl Body<T, D, L> + 'static,
         loading: Loading<D>,
         config: SimulationConfig,
         realisations: [u64; L],
     ) -> Result<Self, Error> {
-        let (motion, stepper, relative_step) =
-            (motions().start)(&mut body, loading, config, realisations)?;
+        Self::of_any(Box::new(body), loading, config, realisations)
+    }
+
+    /// As [`Simulation::new`], of a body whose kind is known at run time.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn of_any(
+        mut body: Box<dyn Body<T, D, L>>,
+        loading: Loading<D>,
+        config: SimulationConfig,
+        realisations: [u64; L],
+    ) -> Result<Self, Error> {
+        config.check()?;
+        let mut motion = Motion::new(&mut *body, loading, config, realisations)?;
+        let relative_step = motion.stable_step(&mut *body)?;
+        motion.impose_displacements();
+        motion.evaluate_intact(&mut *body)?;
+        let stepper = Stepper::new(&motion.config.dynamics, motion.u.len());
         Ok(Self { body, motion, stepper, relative_step })
     }
 
@@ -46,8 +69,8 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
 
     /// The body.
     #[must_use]
-    pub fn body(&self) -> &B {
-        &self.body
+    pub fn body(&self) -> &dyn Body<T, D, L> {
+        &*self.body
     }
 
     /// The time.
@@ -111,7 +134,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// [`Error::Length`], [`Error::Node`] for one that is not finite.
     pub fn set_displacements(&mut self, lane: usize, u: &[[f64; D]]) -> Result<(), Error> {
         self.motion.set_lane(Column::Displacements, lane, u)?;
-        (motions().evaluate)(&mut self.motion, &mut self.body)
+        self.motion.evaluate_intact(&mut *self.body)
     }
 
     /// Sets the velocities of a lane (length over time), in inertial dynamics, except those of prescribed displacements.
@@ -127,7 +150,7 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// # Errors
     /// [`Error::Length`] for a number that no bond has.
     pub fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
-        (motions().cut)(&mut self.motion, &mut self.body, bonds)
+        self.motion.cut(&mut *self.body, bonds)
     }
 
     /// One step of the length `dt`. After an error the state is not to be used.
@@ -135,6 +158,9 @@ impl<T: Real, B: Body<T, D, L>, const D: usize, const L: usize> Simulation<T, B,
     /// # Errors
     /// [`Error::Lost`] where a displacement is no longer finite, with step, time, node and realisation; those of the body.
     pub fn step(&mut self) -> Result<StepReport, Error> {
-        (motions().step)(&mut self.motion, &mut self.stepper, &mut self.body)
+        let Self { body, motion, stepper, .. } = self;
+        motion.begin_step(&**body);
+        stepper.step(motion, &mut **body)?;
+        motion.end_step(&mut **body)
     }
 }

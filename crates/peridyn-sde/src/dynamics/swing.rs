@@ -22,8 +22,8 @@ const REACHED: f64 = 0.999;
 /// the `z` of the stiffest mode, by `1 + |a|/|w|` more where drives move the body by `a`. One beyond the limit of the scheme therefore
 /// proves that the step is too long for the body as it is, and an instability that grows turns the change into that mode, so that
 /// the quotient comes there.
-/// Not seen is an instability while bonds break in every step, one of a few nodes beside larger changes of many others, one of a
-/// mobility that couples nodes, and one of a body with memory.
+/// It does not find an instability while bonds break in every step, one of a few nodes beside larger changes of many others, one of
+/// a mobility that couples nodes, or one of a body with memory.
 #[derive(Debug, Default)]
 pub(crate) struct Swing<T> {
     u: Vec<T>,
@@ -62,7 +62,7 @@ impl<T: Real> Swing<T> {
     ///
     /// # Errors
     /// [`Error::Swings`].
-    pub(crate) fn see<const D: usize, const L: usize>(
+    pub(crate) fn check<const D: usize, const L: usize>(
         &mut self,
         (u, forces): (&[T], &[T]),
         values: &[T],

@@ -1,7 +1,7 @@
 //! Results of an ensemble of cracks.
 
 use crate::bodies::bonds::Bonds;
-use crate::error::Error;
+use crate::error::{Error, exists};
 use crate::statistics::{CrackRecord, DamageMap};
 
 /// Results of some realisations.
@@ -12,11 +12,11 @@ pub struct CrackRun {
     pub records: Vec<CrackRecord>,
     /// The mean load of each window, by realisation (force); empty for one that failed.
     pub loads: Vec<Vec<f64>>,
-    /// Of all that did not fail.
+    /// Damage over all realisations that did not fail.
     pub damage: DamageMap,
     /// Bonds that broke, by realisation; those of the notch not among them.
     pub broken: Vec<u64>,
-    /// Of the realisations that were to be kept.
+    /// Final states of the realisations that were to be kept.
     pub kept: Vec<FinalState>,
 }
 
@@ -57,11 +57,8 @@ impl FinalState {
     pub fn damage_at(&self, bonds: &Bonds, step: u64) -> Result<Vec<f64>, Error> {
         let mut broken = vec![0.0; bonds.len()];
         for at in self.history.iter().take_while(|at| at.step <= step) {
-            *broken.get_mut(at.bond).ok_or(Error::Length {
-                name: "the number of a broken bond",
-                value: at.bond,
-                expected: bonds.len(),
-            })? = 1.0;
+            exists("the number of a broken bond", at.bond, bonds.len())?;
+            broken[at.bond] = 1.0;
         }
         Ok(bonds.damage_of_nodes(|bond| broken[bond]))
     }

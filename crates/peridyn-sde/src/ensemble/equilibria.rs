@@ -12,8 +12,6 @@ use crate::material::strain::Strain;
 /// The part of its stiffness that a bond has lost once it counts as broken. Of a bond that breaks at once it is all.
 const BROKEN: f64 = 0.9;
 
-type Slow = QuasiStatic<Box<dyn Body<f64, 2, 1>>, 2>;
-
 /// A load that grows to a last factor.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SlowLoad {
@@ -24,10 +22,10 @@ pub(super) struct SlowLoad {
 }
 
 /// Loads and failures under a prescribed displacement.
-struct Seen {
-    /// At the end of each window (force).
+struct PathObservations {
+    /// The load at the end of each window (force).
     loads: Vec<f64>,
-    /// Of all (force).
+    /// The largest load (force).
     largest_load: f64,
     history: Vec<BrokenInStep>,
 }
@@ -47,11 +45,11 @@ impl CrackStudy<'_> {
         for &bond in cut {
             body.set_intact(bond, 0);
         }
-        let mut run = QuasiStatic::new(body, self.loading.clone(), load.config)?;
+        let mut run = QuasiStatic::of_any(body, self.loading.clone(), load.config)?;
         let seen = match self.follow_slowly(&mut run, load, (cut, goes_on)) {
             Ok(Some(seen)) => seen,
             Ok(None) => return Ok(None),
-            Err(error @ (Error::NotInEquilibrium { .. } | Error::LoadStep { .. })) => {
+            Err(error @ Error::NotInEquilibrium { .. }) => {
                 return Ok(Some(failed(id, &error.to_string())));
             }
             Err(error) => return Err(error),
@@ -85,13 +83,13 @@ impl CrackStudy<'_> {
     /// From event to event. A prescribed displacement keeps the largest factor so far, while the path may fall behind it.
     fn follow_slowly(
         &self,
-        run: &mut Slow,
+        run: &mut QuasiStatic<2>,
         load: SlowLoad,
         (cut, goes_on): (&[usize], &dyn Fn() -> bool),
-    ) -> Result<Option<Seen>, Error> {
+    ) -> Result<Option<PathObservations>, Error> {
         let SlowLoad { until, n_steps, .. } = load;
         let (grip, component) = self.load;
-        let mut seen = Seen {
+        let mut seen = PathObservations {
             loads: Vec::new(),
             largest_load: 0.0,
             history: cut.iter().map(|&bond| BrokenInStep { step: 0, bond }).collect(),
@@ -128,7 +126,7 @@ impl CrackStudy<'_> {
     }
 }
 
-impl Seen {
+impl PathObservations {
     /// The loads at the ends of the windows up to the last one that is to be seen.
     fn extend(&mut self, slope: f64, is_seen: impl Fn(u64) -> bool, end: impl Fn(u64) -> f64) {
         let mut window = self.loads.len() as u64 + 1;

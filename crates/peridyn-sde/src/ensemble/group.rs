@@ -2,7 +2,7 @@
 
 use super::crack_run::BrokenInStep;
 use super::ended::{AtEnd, failed};
-use super::halted::{GroupState, SavedGroup, Seen};
+use super::halted::{GroupState, LaneObservations, SavedGroup};
 use super::study::{CrackStudy, Stiffness, StudyLaw};
 use crate::bodies::body::Body;
 use crate::breaking::broken_bond::Cause;
@@ -10,7 +10,7 @@ use crate::dynamics::config::SimulationConfig;
 use crate::dynamics::simulation::Simulation;
 use crate::dynamics::swing;
 use crate::error::{Error, same_length};
-use crate::fast::{BondList, LatticeBody, SolidLattice, SolidList};
+use crate::fast::{BondList, LatticeBody};
 use crate::material::strain::Strain;
 use crate::real::Real;
 
@@ -21,8 +21,6 @@ const ASKED_EVERY: u64 = swing::EVERY;
 
 /// A path that was lost, and why.
 type Lost<const L: usize> = [Option<String>; L];
-
-type Motion<T, const L: usize> = Simulation<T, Box<dyn Body<T, 2, L>>, 2, L>;
 
 /// Makes the undamaged body of a group of realisations with these numbers and strengths.
 pub(super) type MakeBody<'a, T, const L: usize> =
@@ -61,9 +59,10 @@ impl CrackStudy<'_> {
         let (simulation, seen) = loop {
             let mut body = make(ids, &strengths.of_bonds)?;
             leave_out(&mut *body, &lost);
-            let mut simulation = Simulation::new(body, self.loading.clone(), config.clone(), ids)?;
+            let mut simulation =
+                Simulation::of_any(body, self.loading.clone(), config.clone(), ids)?;
             simulation.cut(cut)?;
-            let mut seen = Seen::new(L, cut);
+            let mut seen = LaneObservations::new(L, cut);
             if let Some((saved, before)) = saved_group.take() {
                 simulation.restore(&saved)?;
                 seen = before;
@@ -118,29 +117,22 @@ impl CrackStudy<'_> {
         strengths: &[Vec<f64>],
         strain: Strain,
     ) -> Result<Box<dyn Body<T, 2, L>>, Error> {
-        let (nodes, factors) = (self.nodes.clone(), self.stiffness_factors(ids)?);
-        match self.law {
-            StudyLaw::Softening(_) => Err(Error::SofteningInTime),
-            StudyLaw::LinearSolid(_) if factors.is_some() => {
-                Err(Error::UniformStiffness { law: "a linear peridynamic solid" })
-            }
+        let (nodes, first) = (self.nodes.clone(), &strengths[0]);
+        let mut body: BondList<T, 2, L> = match self.law {
+            StudyLaw::Softening(_) => return Err(Error::SofteningInTime),
             StudyLaw::LinearSolid(solid) => {
                 same_length("bonds of the solid", solid.bonds().len(), self.bonds.len())?;
-                let each = (0..L).map(|lane| strengths[lane % strengths.len()].clone());
-                let each: Vec<_> = each.collect();
-                Ok(Box::new(SolidList::new(nodes, solid.clone(), strain, &each)?))
+                BondList::of_solid(nodes, solid.clone(), strain, first)?
             }
-            StudyLaw::BondBased => {
-                let mut body = BondList::new(nodes, self.bonds.clone(), strain, &strengths[0])?;
-                if strengths.len() > 1 {
-                    body = body.with_strengths(strengths)?;
-                }
-                if let Some(factors) = factors {
-                    body = body.with_stiffness_factors(&factors)?;
-                }
-                Ok(Box::new(body))
-            }
+            StudyLaw::BondBased => BondList::new(nodes, self.bonds.clone(), strain, first)?,
+        };
+        if strengths.len() > 1 {
+            body = body.with_strengths(strengths)?;
         }
+        if let Some(factors) = self.stiffness_factors(ids)? {
+            body = body.with_stiffness_factors(&factors)?;
+        }
+        Ok(Box::new(body))
     }
 
     /// An undamaged realisation on a lattice.
@@ -149,40 +141,33 @@ impl CrackStudy<'_> {
         strengths: &[Vec<f64>],
         strain: Strain,
     ) -> Result<Box<dyn Body<T, 2, 1>>, Error> {
-        let (nodes, bonds, strengths) = (self.nodes.clone(), self.bonds.clone(), &strengths[0]);
+        let (nodes, strengths) = (self.nodes.clone(), &strengths[0]);
         let Some(&first) = strengths.first() else {
             return Err(Error::TooFew { name: "bonds", value: 0, limit: 1 });
         };
         if !matches!(self.stiffness, Stiffness::Uniform) {
             return Err(Error::UniformStiffness { law: "a lattice" });
         }
-        let different = strengths.iter().position(|&strength| (strength - first).abs() > 0.0);
-        match (self.law, different) {
-            (StudyLaw::Softening(_), _) => Err(Error::SofteningInTime),
-            (StudyLaw::BondBased, None) => {
-                Ok(Box::new(LatticeBody::new(nodes, bonds, strain, first)?))
+        let mut body: LatticeBody<T, 2> = match self.law {
+            StudyLaw::Softening(_) => return Err(Error::SofteningInTime),
+            StudyLaw::LinearSolid(solid) => {
+                same_length("bonds of the solid", solid.bonds().len(), self.bonds.len())?;
+                LatticeBody::of_solid(nodes, solid.clone(), strain, first)?
             }
-            (StudyLaw::BondBased, Some(_)) => {
-                let body = LatticeBody::new(nodes, bonds, strain, first)?;
-                Ok(Box::new(body.with_strengths(strengths)?))
-            }
-            (StudyLaw::LinearSolid(solid), None) => {
-                same_length("bonds of the solid", solid.bonds().len(), bonds.len())?;
-                Ok(Box::new(SolidLattice::new(nodes, solid.clone(), strain, first)?))
-            }
-            (StudyLaw::LinearSolid(_), Some(bond)) => {
-                let (what, spacing) = ("the strength of a bond", nodes.spacing());
-                Err(Error::NotLattice { what, node: bonds.ends(bond).0, spacing })
-            }
+            StudyLaw::BondBased => LatticeBody::new(nodes, self.bonds.clone(), strain, first)?,
+        };
+        if strengths.iter().any(|&strength| (strength - first).abs() > 0.0) {
+            body = body.with_strengths(strengths)?;
         }
+        Ok(Box::new(body))
     }
 
     /// Steps to the end, while `goes_on` returns true.
     fn follow<T: Real, const L: usize>(
         &self,
-        simulation: &mut Motion<T, L>,
+        simulation: &mut Simulation<T, 2, L>,
         n_steps: u64,
-        seen: &mut Seen,
+        seen: &mut LaneObservations,
         goes_on: &dyn Fn(u64) -> bool,
     ) -> Result<(), Error> {
         let (grip, component) = self.load;
@@ -222,8 +207,8 @@ fn leave_out<T: Real, const L: usize>(body: &mut dyn Body<T, 2, L>, lost: &Lost<
 
 /// The state between two steps, as far as there is one that can be saved.
 fn halted<T: Real, const L: usize>(
-    simulation: &Motion<T, L>,
-    seen: Seen,
+    simulation: &Simulation<T, 2, L>,
+    seen: LaneObservations,
     lost: &Lost<L>,
 ) -> Result<GroupState, Error> {
     if simulation.steps() == 0 {

@@ -6,8 +6,7 @@ use super::crack_run::{BrokenInStep, CrackRun};
 use super::ended::Ended;
 use super::study::CrackStudy;
 use crate::dynamics::saved::SavedState;
-use crate::error::{Error, same_length};
-use crate::real::Real;
+use crate::error::{Error, exists, same_length};
 
 /// How far a group of realisations that run side by side has come.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +60,7 @@ pub(super) enum GroupState {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct SavedGroup {
     pub(super) saved: SavedState,
-    pub(super) seen: Seen,
+    pub(super) seen: LaneObservations,
     /// Why a lane is left out.
     pub(super) lost: Vec<Option<String>>,
 }
@@ -69,7 +68,7 @@ pub(super) struct SavedGroup {
 /// What was observed of each lane.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Seen {
+pub(super) struct LaneObservations {
     /// Mean load of each window that has ended (force).
     pub(super) loads: Vec<Vec<f64>>,
     /// Loads of the window that has not, step by step (force).
@@ -77,8 +76,8 @@ pub(super) struct Seen {
     pub(super) histories: Vec<Vec<BrokenInStep>>,
 }
 
-impl Seen {
-    /// Of lanes of which nothing but the cut bonds is broken.
+impl LaneObservations {
+    /// Observations of lanes of which nothing but the cut bonds is broken.
     pub(super) fn new(lanes: usize, cut: &[usize]) -> Self {
         let history: Vec<_> = cut.iter().map(|&bond| BrokenInStep { step: 0, bond }).collect();
         Self {
@@ -99,14 +98,8 @@ impl SavedGroup {
         for of_lanes in [seen.loads.len(), seen.sums.len(), seen.histories.len(), lost.len()] {
             same_length("lanes of a halted run", of_lanes, lanes)?;
         }
-        match seen.histories.iter().flatten().find(|at| at.bond >= n_bonds) {
-            None => Ok(()),
-            Some(at) => Err(Error::Length {
-                name: "the number of a broken bond",
-                value: at.bond,
-                expected: n_bonds,
-            }),
-        }
+        let mut broken = seen.histories.iter().flatten();
+        broken.try_for_each(|at| exists("the number of a broken bond", at.bond, n_bonds))
     }
 }
 
@@ -121,7 +114,7 @@ impl HaltedGroup {
 }
 
 impl HaltedRun {
-    /// Of realisations that have not begun.
+    /// A run of realisations that have not begun.
     pub(super) const fn at_start(realisations: Range<u64>) -> Self {
         Self { realisations, groups: Vec::new() }
     }
@@ -142,13 +135,13 @@ impl CrackStudy<'_> {
     ///
     /// # Errors
     /// As [`run`](Self::run).
-    pub fn run_while<T: Real, const L: usize>(
+    pub fn run_while(
         &self,
         realisations: Range<u64>,
         keep: &[u64],
         goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
     ) -> Result<RunOutcome, Error> {
-        self.resume_while::<T, L>(HaltedRun::at_start(realisations), keep, goes_on)
+        self.resume_while(HaltedRun::at_start(realisations), keep, goes_on)
     }
 
     /// Continues realisations that were halted; results are bitwise identical to those of a run in one piece.
@@ -156,14 +149,14 @@ impl CrackStudy<'_> {
     /// # Errors
     /// As [`run`](Self::run); [`Error::Length`], [`Error::SavedStep`], [`Error::SavedBond`] and [`Error::Node`] for realisations
     /// of another study, as far as it can be seen.
-    pub fn resume_while<T: Real, const L: usize>(
+    pub fn resume_while(
         &self,
         halted: HaltedRun,
         keep: &[u64],
         goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
     ) -> Result<RunOutcome, Error> {
         let realisations = halted.realisations.clone();
-        let groups = self.groups::<T, L>(halted, keep, goes_on)?;
+        let groups = self.groups(halted, keep, goes_on)?;
         if groups.iter().all(|group| matches!(group.at, GroupState::Finished(_))) {
             return self
                 .joined(groups.into_iter().flat_map(HaltedGroup::ended))

@@ -1,7 +1,7 @@
 //! Strengths and stiffnesses of the bonds of realisations.
 
 use super::study::{CrackStudy, Stiffness, Strength};
-use crate::error::Error;
+use crate::error::{Error, exists};
 use crate::material::disorder::{DisorderField, between_nodes};
 
 /// A stretch that no bond comes to.
@@ -9,7 +9,7 @@ const NEVER: f64 = 1e6;
 
 /// Strengths of the realisations of a group.
 pub(super) struct Strengths {
-    /// Of the bonds, lane by lane, or one for all.
+    /// Strengths of the bonds, lane by lane, or one for all.
     pub(super) of_bonds: Vec<Vec<f64>>,
     /// At the nodes, lane by lane; none where they are one.
     pub(super) at_nodes: Vec<Vec<f64>>,
@@ -58,7 +58,7 @@ impl CrackStudy<'_> {
         Ok(Strengths { of_bonds, at_nodes })
     }
 
-    /// Of the bonds, lane by lane; none where they are all one.
+    /// Factors of the bonds, lane by lane; none where they are all one.
     pub(super) fn stiffness_factors<const L: usize>(
         &self,
         ids: [u64; L],
@@ -81,16 +81,8 @@ impl CrackStudy<'_> {
         let n = self.nodes.positions().len();
         let mut is_protected = vec![false; n];
         for &node in self.no_fail {
-            match is_protected.get_mut(node) {
-                Some(flag) => *flag = true,
-                None => {
-                    return Err(Error::Length {
-                        name: "the number of a node",
-                        value: node,
-                        expected: n,
-                    });
-                }
-            }
+            exists("the number of a node", node, n)?;
+            is_protected[node] = true;
         }
         for (strength, (i, j)) in strengths.iter_mut().zip(self.bonds.pairs()) {
             if is_protected[i] || is_protected[j] {

@@ -1,4 +1,7 @@
-//! Many cracks of one body: realisations side by side, in shards.
+//! Many cracks of one body: realisations side by side, in ranges that may run apart.
+//!
+//! A study is compiled here, with the bodies and motions of both precisions, once for all programs that run it. It knows how bodies are
+//! moved, broken and followed; what becomes of the records of all realisations is in `statistics`.
 
 mod crack_run;
 mod ended;
@@ -8,10 +11,8 @@ mod group;
 mod halted;
 mod inputs;
 mod run;
-mod shard;
 mod study;
 
 pub use crack_run::{BrokenInStep, CrackRun, FinalState};
 pub use halted::{GroupProgress, HaltedRun, RunOutcome};
-pub use shard::{CrackShard, merge_shards};
-pub use study::{BondOrder, CrackStudy, Procedure, Stiffness, Strength, StudyLaw};
+pub use study::{BondOrder, CrackStudy, Precision, Procedure, Stiffness, Strength, StudyLaw};

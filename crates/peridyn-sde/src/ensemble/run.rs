@@ -8,17 +8,20 @@ use rayon::prelude::*;
 use super::crack_run::CrackRun;
 use super::ended::Ended;
 use super::equilibria::SlowLoad;
-use super::group::Lanes;
+use super::group::{Lanes, MakeBody};
 use super::halted::{GroupProgress, GroupState, HaltedGroup, HaltedRun};
-use super::study::{BondOrder, CrackStudy, Procedure};
-use crate::error::{Error, positive};
+use super::study::{BondOrder, CrackStudy, Precision, Procedure};
+use crate::dynamics::config::SimulationConfig;
+use crate::error::{Error, at_least, positive};
 use crate::real::Real;
 use crate::statistics::DamageMap;
 
 impl CrackStudy<'_> {
-    /// Runs the realisations of a range, `L` side by side (8 or 16) and groups of them in parallel; on a [lattice](BondOrder::Lattice)
-    /// one by one, whatever `L`, and under a quasi-static load one by one in `f64`, whatever `T` and `L`. `keep` are the numbers of those whose final state is wanted.
+    /// Runs the realisations of a range, in groups side by side and groups in parallel; on a [lattice](BondOrder::Lattice) and under
+    /// a quasi-static load one by one. `keep` are the numbers of those whose final state is wanted.
     /// [`run_while`](Self::run_while) can be halted.
+    ///
+    /// Ranges may run apart, in any order and on any machine: [`CrackRun::append`] joins their results, bitwise identical to one run.
     ///
     /// A realisation whose path is lost, or that comes to no equilibrium, is counted as failed, with its reason.
     ///
@@ -26,18 +29,14 @@ impl CrackStudy<'_> {
     /// [`Error::TooFew`] for no realisation, no window or fewer steps than windows; [`Error::SofteningInTime`],
     /// [`Error::UniformStiffness`]; those of [`Simulation::new`](crate::Simulation::new), of
     /// [`QuasiStatic::next_breakage`](crate::QuasiStatic::next_breakage), of the notch and of the fields; of values that are given,
-    /// those of [`between_nodes`](crate::between_nodes). [`Error::NotPositive`] for the last load factor.
-    pub fn run<T: Real, const L: usize>(
-        &self,
-        realisations: Range<u64>,
-        keep: &[u64],
-    ) -> Result<CrackRun, Error> {
-        let groups = self.groups::<T, L>(HaltedRun::at_start(realisations), keep, &|_| true)?;
+    /// those of [`between_nodes`](crate::between_nodes). [`Error::Parameter`] for the last load factor.
+    pub fn run(&self, realisations: Range<u64>, keep: &[u64]) -> Result<CrackRun, Error> {
+        let groups = self.groups(HaltedRun::at_start(realisations), keep, &|_| true)?;
         self.joined(groups.into_iter().flat_map(HaltedGroup::ended))
     }
 
     /// Runs all groups of a range that have not ended, in parallel.
-    pub(super) fn groups<T: Real, const L: usize>(
+    pub(super) fn groups(
         &self,
         halted: HaltedRun,
         keep: &[u64],
@@ -46,7 +45,7 @@ impl CrackStudy<'_> {
         let HaltedRun { realisations, groups: known } = halted;
         let least = |name, value: u64, limit: u64| {
             let [value, limit] = [value, limit].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
-            if value < limit { Err(Error::TooFew { name, value, limit }) } else { Ok(()) }
+            at_least(name, value, limit)
         };
         let count = realisations.end.saturating_sub(realisations.start);
         least("realisations", count, 1)?;
@@ -65,33 +64,46 @@ impl CrackStudy<'_> {
                 });
             }
         };
-        let part_of = |ids: &[u64], step: u64| {
-            let done = Some(step as f64 / n_steps as f64);
-            goes_on(GroupProgress { realisation: ids[0].max(realisations.start), done })
-        };
-        let wanted = |id: u64| realisations.contains(&id);
         let motion = (simulation, n_steps);
-        match self.order {
-            BondOrder::List => {
-                let lanes = L as u64;
-                let groups = realisations.start / lanes..realisations.end.div_ceil(lanes);
-                run_groups(groups, known, &|group, known| {
-                    let ids: [u64; L] = std::array::from_fn(|lane| group * lanes + lane as u64);
-                    let group = Lanes { ids, motion, cut: &cut, keep };
-                    let make = |ids, strengths: &[Vec<f64>]| {
-                        self.in_list::<T, L>(ids, strengths, self.strain)
-                    };
-                    let part = |step| part_of(&ids, step);
-                    self.group::<T, L>(&group, &make, known, (&wanted, &part))
-                })
+        let run = InTime { realisations: &realisations, motion, cut: &cut, keep, goes_on };
+        let strain = self.strain;
+        match (self.order, self.precision) {
+            (BondOrder::List, Precision::Double) => {
+                self.in_time::<f64, 8>(&run, known, &|ids, of| self.in_list(ids, of, strain))
             }
-            BondOrder::Lattice => run_groups(realisations.clone(), known, &|id, known| {
-                let group = Lanes { ids: [id], motion, cut: &cut, keep };
-                let make = |_, strengths: &[Vec<f64>]| self.on_lattice::<T>(strengths, self.strain);
-                let part = |step| part_of(&[id], step);
-                self.group::<T, 1>(&group, &make, known, (&wanted, &part))
-            }),
+            (BondOrder::List, Precision::Single) => {
+                self.in_time::<f32, 16>(&run, known, &|ids, of| self.in_list(ids, of, strain))
+            }
+            (BondOrder::Lattice, Precision::Double) => {
+                self.in_time::<f64, 1>(&run, known, &|_, of| self.on_lattice(of, strain))
+            }
+            (BondOrder::Lattice, Precision::Single) => {
+                self.in_time::<f32, 1>(&run, known, &|_, of| self.on_lattice(of, strain))
+            }
         }
+    }
+
+    /// Runs groups of `L` realisations in time.
+    fn in_time<T: Real, const L: usize>(
+        &self,
+        run: &InTime<'_>,
+        known: Vec<HaltedGroup>,
+        make: &MakeBody<'_, T, L>,
+    ) -> Result<Vec<HaltedGroup>, Error> {
+        let InTime { realisations, motion, cut, keep, goes_on } = *run;
+        let lanes = L as u64;
+        let groups = realisations.start / lanes..realisations.end.div_ceil(lanes);
+        let wanted = |id: u64| realisations.contains(&id);
+        run_groups(groups, known, &|group, known| {
+            let ids: [u64; L] = std::array::from_fn(|lane| group * lanes + lane as u64);
+            let realisation = ids[0].max(realisations.start);
+            let goes_on = |step: u64| {
+                let done = Some(step as f64 / motion.1 as f64);
+                goes_on(GroupProgress { realisation, done })
+            };
+            let group = Lanes { ids, motion, cut, keep };
+            self.group::<T, L>(&group, make, known, (&wanted, &goes_on))
+        })
     }
 
     /// Joins realisations in order.
@@ -114,6 +126,18 @@ impl CrackStudy<'_> {
         }
         Ok(run)
     }
+}
+
+/// A run in time.
+struct InTime<'a> {
+    realisations: &'a Range<u64>,
+    /// How bodies move, and their steps.
+    motion: (&'a SimulationConfig, u64),
+    /// Bonds of the notch.
+    cut: &'a [usize],
+    /// Numbers of those whose final state is wanted.
+    keep: &'a [u64],
+    goes_on: &'a (dyn Fn(GroupProgress) -> bool + Sync),
 }
 
 type RunGroup<'a> = dyn Fn(u64, Option<GroupState>) -> Result<GroupState, Error> + Sync + 'a;

@@ -77,8 +77,17 @@ pub enum BondOrder {
     /// In a list, any body: realisations side by side in the lanes of registers, as many as fill one.
     List,
     /// Along the rows of a lattice, one realisation after the other: in one realisation 3 to 6 times as fast as a list, in as many as
-    /// fill a register as fast as these. For a uniform stiffness, of a linear peridynamic solid also a uniform strength.
+    /// fill a register as fast as these. For a uniform stiffness.
     Lattice,
+}
+
+/// The precision of the numbers of a study in time, and how many realisations of a list run side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// `f64`, 8 realisations side by side.
+    Double,
+    /// `f32`, 16 realisations side by side.
+    Single,
 }
 
 /// How the load is applied.
@@ -102,7 +111,7 @@ pub enum Procedure<'a> {
         until: f64,
         /// Equal parts of that, by whose number the failure of a bond is recorded in place of its step.
         n_steps: u64,
-        /// Of the random fields.
+        /// Noise of the random fields.
         noise: Noise,
     },
 }
@@ -121,6 +130,8 @@ pub struct CrackStudy<'a> {
     pub law: StudyLaw<'a>,
     /// How their bonds are visited. Bonds that soften have a list.
     pub order: BondOrder,
+    /// The precision of its numbers; under a quasi-static load they are `f64` whatever it is.
+    pub precision: Precision,
     /// How strains are measured.
     pub strain: Strain,
     /// When bonds break.
@@ -150,7 +161,7 @@ pub struct CrackStudy<'a> {
 }
 
 impl CrackStudy<'_> {
-    /// Of random fields, and of the motion.
+    /// The noise of random fields, and of the motion.
     pub(super) fn noise(&self) -> &Noise {
         match &self.procedure {
             Procedure::Dynamic { simulation, .. } => &simulation.noise,

@@ -1,12 +1,11 @@
 //! How equilibrium is found, and how bonds break in it.
 
-use crate::error::{Error, at_least, positive};
+use crate::error::{Error, Requirement, at_least, positive};
 
 /// What is needed to find equilibrium.
 ///
-/// Displacements are found by Newton's method, in one step for linear strains. Each step is solved by conjugate gradients with a
-/// two-level preconditioner: the blocks of the nodes, and a coarse system of the rigid motions of boxes one and a half bonds wide
-/// (Nicolaides 1987). For finite strains the tangent is a difference of forces (Knoll & Keyes 2004).
+/// Displacements are found by conjugate gradients with a two-level preconditioner: the blocks of the nodes, and a coarse system of
+/// the rigid motions of boxes one and a half bonds wide (Nicolaides 1987).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EquilibriumConfig {
     /// The residual force over the reaction, both as the root of the sum of squares, at which equilibrium counts as reached.
@@ -31,9 +30,7 @@ impl EquilibriumConfig {
         positive("tolerance of an equilibrium", self.tolerance)?;
         at_least("iterations of an equilibrium", self.most_iterations, 1)?;
         positive("tooth of a softening bond", self.tooth)?;
-        if self.batch >= 0.0 && self.batch < 1.0 {
-            return Ok(());
-        }
-        Err(Error::OutOfRange { name: "batch of bonds", value: self.batch, from: 0.0, to: 1.0 })
+        let must = Requirement::Between { from: 0.0, to: 1.0 };
+        must.check("batch of bonds", self.batch, self.batch >= 0.0 && self.batch < 1.0)
     }
 }

@@ -2,17 +2,14 @@
 
 use super::config::EquilibriumConfig;
 use super::solver::{Solver, Stop, dot, norm};
-use super::two_level::{TwoLevel, direction};
-use crate::bodies::body::{AtStrength, Body};
+use super::two_level::TwoLevel;
+use crate::bodies::body::Body;
+use crate::bodies::surface::direction;
 use crate::dynamics::loading::Loading;
 use crate::error::{Error, same_length};
-use crate::material::strain::Strain;
 
-/// How far a displacement is moved for a difference of forces, over the spacing of the nodes.
-const DIFFERENCE: f64 = 1e-6;
-
-/// Newton steps after which a solution is given up.
-const MOST_NEWTON: usize = 40;
+/// Linear systems after which a solution is given up: rounding of the residual makes a second one necessary.
+const MOST_SYSTEMS: usize = 40;
 
 /// The least reaction that a residual is compared with, over the largest that a load had.
 const LEAST_REACTION: f64 = 1e-3;
@@ -24,15 +21,6 @@ pub struct Solved {
     pub iterations: usize,
     /// The residual over the reaction.
     pub residual: f64,
-}
-
-/// Which forces are meant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Forces {
-    /// Of the body, at its strains.
-    Body,
-    /// Linear in the displacements, by the secant of each bond.
-    Secant,
 }
 
 /// All that an equilibrium needs beside the body.
@@ -57,7 +45,6 @@ pub(super) struct Statics<const D: usize> {
     /// Forces that loads put on nodes.
     outer: Vec<f64>,
     largest_reaction: f64,
-    moved: Vec<f64>,
 }
 
 impl<const D: usize> Statics<D> {
@@ -72,6 +59,9 @@ impl<const D: usize> Statics<D> {
         same_length("nodes of the loading", loading.n_nodes(), n)?;
         if !body.is_piecewise_linear() {
             return Err(Error::NotPiecewiseLinear);
+        }
+        if !loading.is_proportional() {
+            return Err(Error::NotProportional);
         }
         let free: Vec<[bool; D]> =
             loading.prescribed().iter().map(|prescribed| prescribed.map(|held| !held)).collect();
@@ -102,7 +92,6 @@ impl<const D: usize> Statics<D> {
             renewed: true,
             outer: vec![0.0; n * D],
             largest_reaction: 0.0,
-            moved: Vec::new(),
         };
         for bond in 0..made.weights.len() {
             made.critical[bond] = made.critical_of(body, bond);
@@ -127,47 +116,36 @@ impl<const D: usize> Statics<D> {
         above * body.next_stretch(bond, 0)
     }
 
-    /// Displacements that are prescribed at a load, and forces of loads there.
-    pub(super) fn impose(&mut self, load: f64) {
+    /// Prescribes the displacements of a unit load, and takes its forces.
+    pub(super) fn impose_unit_load(&mut self) {
         for node in 0..self.loading.n_nodes() {
-            let place = self.loading.field(node, load);
+            let place = self.loading.field(node, 1.0);
             for k in (0..D).filter(|k| !self.free[node * D + k]) {
                 self.u[node * D + k] = place[k];
             }
         }
         self.outer.fill(0.0);
         let outer = &mut self.outer;
-        self.loading.for_each_force(load, |node, force| {
+        self.loading.for_each_force(1.0, |node, force| {
             for k in 0..D {
                 outer[node * D + k] += force[k];
             }
         });
     }
 
-    /// Bond forces at the displacements, into `bond_forces`.
-    pub(super) fn evaluate(
-        &mut self,
-        body: &mut dyn Body<f64, D, 1>,
-        forces: Forces,
-    ) -> Result<(), Error> {
-        match forces {
-            Forces::Secant => body.secant_forces(&self.u, &mut self.bond_forces),
-            Forces::Body => body.forces(&self.u, &mut self.bond_forces, AtStrength::Hold),
-        }
+    /// Bond forces at the displacements, linear in them by the secant of each bond, into `bond_forces`.
+    pub(super) fn evaluate(&mut self, body: &mut dyn Body<f64, D, 1>) -> Result<(), Error> {
+        body.secant_forces(&self.u, &mut self.bond_forces)
     }
 
-    /// Work of the bond forces on the displacements, `u^T K u` for linear forces, and that of the loads.
+    /// Work of the bond forces on the displacements, `u^T K u`, and that of the loads.
     pub(super) fn works(&self) -> [f64; 2] {
         [-dot(&self.u, &self.bond_forces), dot(&self.u, &self.outer)]
     }
 
     /// The residual at the displacements, and the reaction to compare it with.
-    fn residual(
-        &mut self,
-        body: &mut dyn Body<f64, D, 1>,
-        forces: Forces,
-    ) -> Result<[f64; 2], Error> {
-        self.evaluate(body, forces)?;
+    fn residual(&mut self, body: &mut dyn Body<f64, D, 1>) -> Result<[f64; 2], Error> {
+        self.evaluate(body)?;
         let residual = &mut self.solver.residual;
         residual.clear();
         let mut reaction = 0.0;
@@ -179,51 +157,35 @@ impl<const D: usize> Statics<D> {
         Ok([norm(residual), f64::max(reaction.sqrt(), least)])
     }
 
-    /// Finds equilibrium from the present displacements, with those that are prescribed in place; none where a part of the body
-    /// carries load and is held by nothing.
+    /// Finds equilibrium at a unit load from the present displacements, with those that are prescribed in place; none where a part
+    /// of the body carries load and is held by nothing. An error names the `load` at which bonds have changed.
     pub(super) fn equilibrate(
         &mut self,
         body: &mut dyn Body<f64, D, 1>,
-        (from, load): (f64, f64),
-        forces: Forces,
+        load: f64,
     ) -> Result<Option<Solved>, Error> {
         let EquilibriumConfig { tolerance: limit, most_iterations: most, .. } = self.config;
-        let mut iterations = 0;
-        for newton in 0..MOST_NEWTON {
-            let [left, reaction] = self.residual(body, forces)?;
+        let (mut iterations, mut n_systems) = (0, 0);
+        loop {
+            let [left, reaction] = self.residual(body)?;
             let residual = if left > 0.0 { left / reaction } else { 0.0 };
             if residual <= limit {
                 self.largest_reaction = self.largest_reaction.max(reaction);
                 self.learn(iterations, body)?;
                 return Ok(Some(Solved { iterations, residual }));
             }
-            if !left.is_finite() {
-                return Err(Error::LoadStep { from, load, iterations: newton, residual, limit });
+            if !left.is_finite() || n_systems == MOST_SYSTEMS {
+                return Err(Error::NotInEquilibrium { load, residual, iterations, limit });
             }
-            // Newton's method needs three digits of a step; a linear system is solved once.
-            let tangent = forces == Forces::Body && body.strain() == Strain::Finite;
-            let goal = if tangent {
-                f64::max(1e-3 * left, 0.3 * limit * reaction)
-            } else {
-                0.7 * limit * reaction
-            };
-            match self.correct(body, (goal, most - iterations), forces)? {
-                Stop::Solved(used) => iterations += used,
+            match self.correct(body, (0.7 * limit * reaction, most - iterations))? {
+                Stop::Solved(used) => (iterations, n_systems) = (iterations + used, n_systems + 1),
                 Stop::Singular => return Ok(None),
                 Stop::Stalled(left) => {
-                    let residual = left / reaction;
-                    return Err(Error::NotInEquilibrium {
-                        load,
-                        residual,
-                        iterations: most,
-                        limit,
-                    });
+                    let (residual, iterations) = (left / reaction, most);
+                    return Err(Error::NotInEquilibrium { load, residual, iterations, limit });
                 }
             }
         }
-        let [left, reaction] = self.residual(body, forces)?;
-        let residual = left / reaction;
-        Err(Error::LoadStep { from, load, iterations: MOST_NEWTON, residual, limit })
     }
 
     /// Moves the displacements by the solution of the linear system of the residual.
@@ -231,11 +193,8 @@ impl<const D: usize> Statics<D> {
         &mut self,
         body: &mut dyn Body<f64, D, 1>,
         goal: (f64, usize),
-        forces: Forces,
     ) -> Result<Stop, Error> {
-        let is_linear = forces == Forces::Secant || body.strain() == Strain::Linear;
-        let spacing = body.nodes().spacing();
-        let Self { u, bond_forces, free, preconditioner, solver, moved, .. } = self;
+        let Self { u, free, preconditioner, solver, .. } = self;
         let mut change = vec![0.0; u.len()];
         let stop = solver.solve(
             &mut change,
@@ -243,20 +202,9 @@ impl<const D: usize> Statics<D> {
             self.stiffest,
             |residual, image| preconditioner.apply(residual, image),
             |v, image| {
-                if is_linear {
-                    body.secant_forces(v, image)?;
-                    for (image, &free) in image.iter_mut().zip(&*free) {
-                        *image = if free { -*image } else { 0.0 };
-                    }
-                    return Ok(());
-                }
-                let largest = v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-                let scale = DIFFERENCE * spacing / largest;
-                moved.clear();
-                moved.extend(u.iter().zip(v).map(|(u, v)| u + scale * v));
-                body.forces(moved, image, AtStrength::Hold)?;
-                for ((image, &before), &free) in image.iter_mut().zip(&*bond_forces).zip(&*free) {
-                    *image = if free { (before - *image) / scale } else { 0.0 };
+                body.secant_forces(v, image)?;
+                for (image, &free) in image.iter_mut().zip(&*free) {
+                    *image = if free { -*image } else { 0.0 };
                 }
                 Ok(())
             },
@@ -281,13 +229,9 @@ impl<const D: usize> Statics<D> {
     }
 
     /// The largest stretch of a bond over that at which it next changes, and which bond; none where no bond is stretched.
-    pub(super) fn most_critical(
-        &self,
-        body: &dyn Body<f64, D, 1>,
-        strain: Strain,
-    ) -> Option<(usize, f64)> {
+    pub(super) fn most_critical(&self, body: &dyn Body<f64, D, 1>) -> Option<(usize, f64)> {
         let mut most: Option<(usize, f64)> = None;
-        self.for_each_ratio(body, strain, |bond, ratio| {
+        self.for_each_ratio(body, |bond, ratio| {
             if ratio > most.map_or(0.0, |most| most.1) {
                 most = Some((bond, ratio));
             }
@@ -299,11 +243,10 @@ impl<const D: usize> Statics<D> {
     pub(super) fn critical_from(
         &self,
         body: &dyn Body<f64, D, 1>,
-        strain: Strain,
         least: f64,
     ) -> Vec<(usize, f64)> {
         let mut found = Vec::new();
-        self.for_each_ratio(body, strain, |bond, ratio| {
+        self.for_each_ratio(body, |bond, ratio| {
             if ratio >= least {
                 found.push((bond, ratio));
             }
@@ -311,46 +254,30 @@ impl<const D: usize> Statics<D> {
         found
     }
 
-    fn for_each_ratio(
-        &self,
-        body: &dyn Body<f64, D, 1>,
-        strain: Strain,
-        mut each: impl FnMut(usize, f64),
-    ) {
+    fn for_each_ratio(&self, body: &dyn Body<f64, D, 1>, mut each: impl FnMut(usize, f64)) {
         let (x, u, bonds) = (body.nodes().positions(), self.u.as_chunks::<D>().0, body.bonds());
         for i in 0..x.len() {
             for bond in bonds.row(i) {
                 let critical = self.critical[bond];
-                if critical <= 0.0 {
-                    continue;
-                }
-                let j = bonds.partner(bond);
-                let (mut along, mut square) = (0.0, 0.0);
-                for k in 0..D {
-                    let eta = u[j][k] - u[i][k];
-                    along += eta * (x[j][k] - x[i][k]);
-                    square += eta * eta;
-                }
-                let ratio = match strain {
-                    Strain::Linear => along * critical,
-                    Strain::Finite => {
-                        let square_length = bonds.all()[bond].length.powi(2);
-                        let w = (2.0 * along + square) / square_length;
-                        Strain::Finite.stretch(w) * critical * square_length
+                if critical > 0.0 {
+                    let j = bonds.partner(bond);
+                    let mut along = 0.0;
+                    for k in 0..D {
+                        along += (u[j][k] - u[i][k]) * (x[j][k] - x[i][k]);
                     }
-                };
-                each(bond, ratio);
+                    each(bond, along * critical);
+                }
             }
         }
     }
 
-    /// Takes a bond past where it next changes, or past its stretch where that is larger; `ratio` is its stretch over that.
+    /// Takes a bond past where it next changes.
     pub(super) fn pass(
         &mut self,
         body: &mut dyn Body<f64, D, 1>,
-        (bond, ratio): (usize, f64),
+        bond: usize,
     ) -> Result<(), Error> {
-        let stretch = self.trigger(body, bond) * ratio.max(1.0);
+        let stretch = self.trigger(body, bond);
         body.pass(bond, (1.0 + self.config.tooth) * stretch);
         let of = body.bonds().all()[bond];
         let weight = of.stiffness * body.secant(bond, 0) / of.length;

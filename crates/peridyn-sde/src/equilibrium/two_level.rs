@@ -3,6 +3,7 @@
 use super::band::Band;
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
+use crate::bodies::surface::direction;
 use crate::error::Error;
 
 /// Width of a box over the longest bond: of 1, 1.5, 2 and 3 that with the fewest iterations over the breakages of two notched
@@ -57,18 +58,8 @@ fn for_each_bond<const D: usize>(
     }
 }
 
-/// The direction of a bond at rest.
-pub(super) fn direction<const D: usize>(
-    nodes: &Nodes<D>,
-    (i, j): (usize, usize),
-    length: f64,
-) -> [f64; D] {
-    let x = nodes.positions();
-    std::array::from_fn(|k| (x[j][k] - x[i][k]) / length)
-}
-
 impl<const D: usize> TwoLevel<D> {
-    /// Of a body with a stiffness of each bond (force over length).
+    /// The preconditioner of a body with a stiffness of each bond (force over length).
     pub(super) fn new(
         nodes: &Nodes<D>,
         bonds: &Bonds,

@@ -1,8 +1,9 @@
-//! The force of bonds: the one text from which the paths over lattices, lists and lanes are made.
+//! The force of bonds: the only text from which the passes over lattices, lists and lanes are made.
 //!
-//! A path reads `xi` and `eta` of bonds, has direction and relative squared elongation from [`component`], the pull from
-//! [`SquaredElongation`], and adds `stiffness/length pull direction` to one end and its opposite to the other. Only reading and
-//! adding are written three times, for places in memory that have nothing in common:
+//! A pass reads `xi` and `eta` of bonds. [`component`] gives direction and relative squared elongation, [`SquaredElongation`] the
+//! pull. A [`Pass`] makes of these the number that is added at both ends of a bond: the tension over the length of a bond of a pair
+//! potential, its part of both dilatations, or its tension in a linear peridynamic solid. Reading and adding are written three times,
+//! for places in memory that have nothing in common:
 //!
 //! - a lattice reads `N` registers of neighbouring sites, whose constants and sums stay in registers over all vectors;
 //! - realisations read the lanes of two nodes, one bond after the other;
@@ -21,6 +22,84 @@ use simd_lanes::{Lanes, MOST_LANES, Mask, Registers, Work};
 use super::LaneBits;
 use crate::real::Real;
 
+/// What a visit of all bonds adds at both ends of each.
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    /// The force of a pair potential.
+    PairForce,
+    /// `omega beta V_i V_j |xi|^2 s`, the part of a bond in the dilatations of a linear peridynamic solid.
+    Dilatation,
+    /// The force of a linear peridynamic solid, after the dilatations.
+    SolidForce,
+}
+
+/// The kind of a visit, known when it is compiled.
+pub(super) trait Pass {
+    const KIND: Kind;
+    /// Whether both ends get the same number; they get opposite forces.
+    const IS_DILATATION: bool = matches!(Self::KIND, Kind::Dilatation);
+}
+
+/// [`Kind::PairForce`].
+pub(super) struct PairForce;
+/// [`Kind::Dilatation`].
+pub(super) struct Dilatation;
+/// [`Kind::SolidForce`].
+pub(super) struct SolidForce;
+
+impl Pass for PairForce {
+    const KIND: Kind = Kind::PairForce;
+}
+
+impl Pass for Dilatation {
+    const KIND: Kind = Kind::Dilatation;
+}
+
+impl Pass for SolidForce {
+    const KIND: Kind = Kind::SolidForce;
+}
+
+/// The stretch of bonds from relative squared elongation and pull: `sqrt(1 + w) - 1 = (1 + w) (1 - p) - 1`.
+#[inline(always)]
+pub(super) fn stretch<V: Lanes, const LINEAR: bool>(w: V, pull: V) -> V {
+    if LINEAR { pull } else { w - (pull + w * pull) }
+}
+
+/// The tension over length of bonds of a linear peridynamic solid, from `phi tau = omega beta V_i V_j (tau_i + tau_j)` and the
+/// stiffness over length at a fixed dilatation. With linear strains the tension of the dilatation acts along `xi` at rest.
+#[inline(always)]
+pub(super) fn solid_tension<V: Lanes, const LINEAR: bool>(stiffness: V, phi_tau: V, pull: V) -> V {
+    let own = if LINEAR { stiffness } else { stiffness - phi_tau };
+    own * pull + phi_tau
+}
+
+/// The same over `phi`, for bonds of one `phi` between nodes of many weighted volumes, from `B/m_i - tau_i + B/m_j - tau_j` and
+/// `tau_i + tau_j`.
+#[inline(always)]
+pub(super) fn solid_tension_over_weight<V: Lanes, const LINEAR: bool>(
+    sigma: V,
+    tau: V,
+    pull: V,
+) -> V {
+    let own = if LINEAR { (sigma + tau) * pull } else { sigma * pull };
+    own + tau
+}
+
+/// Numbers of bonds, zero where a bond is not intact.
+#[inline(always)]
+pub(super) fn intact<T: Real, R: Registers<T>>(
+    registers: R,
+    of_bonds: R::Vector,
+    intact: LaneBits,
+) -> R::Vector {
+    let all = LaneBits::MAX >> (MOST_LANES - R::N);
+    if R::MASKS_ARE_BITS || intact & all != all {
+        let intact = registers.mask(intact.into());
+        return R::Vector::select(intact, of_bonds, registers.splat(T::ZERO));
+    }
+    of_bonds
+}
+
 /// One component of a bond: `xi + eta` (`xi` where strains are linear), and its part of the growth of the squared length,
 /// `eta (2 xi + eta)` or `2 eta xi`. With both arguments negated, the second is bitwise the same.
 #[inline(always)]
@@ -37,7 +116,7 @@ pub(super) struct Separation<V, const D: usize> {
 }
 
 impl<V: Lanes<Number: Real>, const D: usize> Separation<V, D> {
-    /// Of bonds `xi` whose ends moved apart by `eta`.
+    /// The separation of bonds `xi` whose ends moved apart by `eta`.
     #[inline(always)]
     pub(super) fn new<R: Registers<V::Number, Vector = V>, const LINEAR: bool>(
         registers: R,
@@ -51,8 +130,8 @@ impl<V: Lanes<Number: Real>, const D: usize> Separation<V, D> {
             direction[k] = along;
             square = if k == 0 { part } else { square + part };
         }
-        let elongation = SquaredElongation::new(registers, square * inverse_square, intact);
-        Self { direction, elongation }
+        let elongation = self::intact(registers, square * inverse_square, intact);
+        Self { direction, elongation: SquaredElongation(elongation) }
     }
 }
 
@@ -60,21 +139,6 @@ impl<V: Lanes<Number: Real>, const D: usize> Separation<V, D> {
 pub(super) struct SquaredElongation<V>(pub(super) V);
 
 impl<V: Lanes<Number: Real>> SquaredElongation<V> {
-    /// Zero where a bond is not intact.
-    #[inline(always)]
-    pub(super) fn new<R: Registers<V::Number, Vector = V>>(
-        registers: R,
-        elongation: V,
-        intact: LaneBits,
-    ) -> Self {
-        let all = LaneBits::MAX >> (MOST_LANES - R::N);
-        if R::MASKS_ARE_BITS || intact & all != all {
-            let intact = registers.mask(intact.into());
-            return Self(R::Vector::select(intact, elongation, registers.splat(V::Number::ZERO)));
-        }
-        Self(elongation)
-    }
-
     /// The force over stiffness over length along `direction`: `1 - 1/sqrt(1 + w)`, the stretch over the stretched length;
     /// with linear strains `w/2`. Bonds at their limit carry none, and `found` gets their lanes. No bond has a limit below `limit`;
     /// `own` are those of the bonds, which are read where an elongation reaches that.

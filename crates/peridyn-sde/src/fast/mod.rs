@@ -1,23 +1,29 @@
-//! Forces of bonds that break at a critical stretch, over wide registers.
+//! Forces of bonds that break at a critical stretch, over wide registers, for pair potentials and for the linear peridynamic solid.
 //!
-//! `bond_force` is the one text of a bond, pair or solid; lattices visit bonds along rows of nodes, lists one after the other. Nothing
-//! here knows time, noise or loads.
+//! `bond_force` is the only text of both forces. Two orders of visiting add them up: `lattice` goes along rows of nodes, `list` from
+//! bond to bond. Nothing here knows time, noise or loads.
 
 mod bond_force;
 mod lattice;
-mod lattice_body;
-mod lattice_grid;
-mod lattice_rows;
-mod limit;
-mod lists;
-mod realisations;
-mod solids;
-mod stencil;
+mod list;
+mod potential;
 
 pub use lattice::LatticeBody;
-pub use lists::list::BondList;
-pub use solids::solid_lattice::SolidLattice;
-pub use solids::solid_list::SolidList;
+pub use list::BondList;
+
+use crate::bodies::body::AtStrength;
+use crate::breaking::broken_bond::BrokenBond;
 
 /// In which lanes a bond is intact: a bit for each of at most [`MOST_LANES`](simd_lanes::MOST_LANES).
 type LaneBits = u16;
+
+/// Whether an evaluation looks for bonds at their strength, and where it lists them; what is listed in `none` has no use.
+fn list_of<'a>(
+    at: AtStrength<'a>,
+    none: &'a mut Vec<BrokenBond>,
+) -> (bool, &'a mut Vec<BrokenBond>) {
+    match at {
+        AtStrength::Break(list) => (true, list),
+        AtStrength::Hold => (false, none),
+    }
+}

@@ -18,7 +18,7 @@ impl Bilinear {
     /// `s_f/s_0`, above one.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for one or less, [`Error::NotPositive`] for what is not finite.
+    /// [`Error::Parameter`] for a ratio of one or less, or one that is not finite.
     pub fn new(ductility: f64) -> Result<Self, Error> {
         positive("ductility", ductility)?;
         crate::error::between("ductility", ductility, 1.0, f64::INFINITY)?;

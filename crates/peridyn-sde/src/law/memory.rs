@@ -1,7 +1,7 @@
 //! Bonds that wear out.
 
 use super::BondLaw;
-use crate::error::{Error, between, positive};
+use crate::error::{Error, between, not_negative, positive};
 
 /// A bond carries `sigma = alpha s`, and what is left of it wears out by its stretch,
 ///
@@ -46,11 +46,9 @@ impl Memory {
     /// `alpha(0)`, between zero and one: from one on nothing would ever happen, and zero is broken.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for `alpha(0)`, [`Error::NotPositive`] for the others; a sensitivity of zero is allowed.
+    /// [`Error::Parameter`] for a number outside of these limits.
     pub fn new(sensitivity: f64, rate: f64, (n, m): (f64, f64), start: f64) -> Result<Self, Error> {
-        if sensitivity != 0.0 {
-            positive("sensitivity k", sensitivity)?;
-        }
+        not_negative("sensitivity k", sensitivity)?;
         positive("rate lambda", rate)?;
         positive("exponent n", n)?;
         positive("exponent m", m)?;

@@ -4,7 +4,7 @@ use random_fields::{GaussianField, Marginal};
 use sde_integrators::Noise;
 
 use crate::bodies::bonds::Bonds;
-use crate::error::Error;
+use crate::error::{Error, same_length};
 
 /// A random field of something positive, as a critical stretch or a modulus, at the nodes of a body.
 ///
@@ -87,7 +87,7 @@ pub enum BondValue {
 }
 
 impl BondValue {
-    /// Of two ends.
+    /// The value of a bond whose ends have these.
     #[must_use]
     pub fn between(self, a: f64, b: f64) -> f64 {
         match self {
@@ -102,28 +102,9 @@ impl BondValue {
 /// # Errors
 /// [`Error::Length`]; [`Error::Node`] for a value that is not positive and finite.
 pub fn between_nodes(bonds: &Bonds, values: &[f64], value: BondValue) -> Result<Vec<f64>, Error> {
-    check_length(values, bonds.n_nodes())?;
+    same_length("the field", values.len(), bonds.n_nodes())?;
     check_values(values)?;
     Ok(bonds.pairs().map(|(i, j)| value.between(values[i], values[j])).collect())
-}
-
-/// A field whose values are given, such as a measured one: a copy, once it is found to be one of a body.
-///
-/// # Errors
-/// [`Error::Length`]; [`Error::Node`] for a value that is not positive and finite.
-pub fn from_column(values: &[f64], n_nodes: usize) -> Result<Vec<f64>, Error> {
-    check_length(values, n_nodes)?;
-    check_values(values)?;
-    Ok(values.to_vec())
-}
-
-fn check_length(values: &[f64], expected: usize) -> Result<(), Error> {
-    let value = values.len();
-    if value == expected {
-        Ok(())
-    } else {
-        Err(Error::Length { name: "the field", value, expected })
-    }
 }
 
 fn check_values(values: &[f64]) -> Result<(), Error> {
@@ -141,18 +122,12 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test ends by it")]
 
     use super::*;
-    use crate::{BondConfig, Condition, Horizon, Influence, Nodes, VolumeCorrection};
+    use crate::{BondConfig, Condition, Horizon, Nodes};
 
     fn chain() -> Bonds {
         let bar = Condition::Bar { area: 1.0 };
         let nodes = Nodes::lattice(1.0, ([0.0], [3.0]), bar, |_| true).unwrap();
-        let config = BondConfig {
-            horizon: Horizon::of_shells(1, 1.0).unwrap(),
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: crate::SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(1, 1.0).unwrap(), 1.0);
         Bonds::new(&nodes, &config).unwrap()
     }
 
@@ -165,12 +140,10 @@ mod tests {
     }
 
     #[test]
-    fn column_that_is_not_of_the_body_or_not_positive_is_refused() {
-        assert_eq!(from_column(&[1.0, 2.0], 2).unwrap(), [1.0, 2.0]);
-        assert!(matches!(from_column(&[1.0], 2), Err(Error::Length { value: 1, expected: 2, .. })));
+    fn values_that_are_not_of_the_body_or_not_positive_are_refused() {
+        let short = between_nodes(&chain(), &[1.0], BondValue::Mean);
+        assert!(matches!(short, Err(Error::Length { value: 1, expected: 3, .. })));
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            let refused = from_column(&[1.0, bad], 2);
-            assert!(matches!(refused, Err(Error::Node { node: 1, .. })), "{bad}");
             let refused = between_nodes(&chain(), &[1.0, 1.0, bad], BondValue::Mean);
             assert!(matches!(refused, Err(Error::Node { node: 2, .. })), "{bad}");
         }

@@ -154,7 +154,7 @@ impl Condition {
 /// `young_modulus` (stress), `horizon` (length); the result is a force over length to the sixth.
 ///
 /// # Errors
-/// [`Error::NotPositive`].
+/// [`Error::Parameter`].
 pub fn micromodulus(
     young_modulus: f64,
     horizon: f64,
@@ -181,7 +181,7 @@ pub fn micromodulus(
 /// `energy_release_rate` `G0` (energy over area), `young_modulus` (stress), `horizon` (length).
 ///
 /// # Errors
-/// [`Error::NotPositive`].
+/// [`Error::Parameter`].
 pub fn critical_stretch(
     energy_release_rate: f64,
     young_modulus: f64,

@@ -23,7 +23,7 @@ impl Horizon {
     /// `(m + 0.015) dx`: with `shells = m` whole spacings, and a little more.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for a spacing, [`Error::HorizonTooShort`] for no shell.
+    /// [`Error::Parameter`] for a spacing, [`Error::HorizonTooShort`] for no shell.
     pub fn of_shells(shells: u32, spacing: f64) -> Result<Self, Error> {
         Self::new((f64::from(shells) + BEYOND) * spacing, spacing)
     }
@@ -31,7 +31,7 @@ impl Horizon {
     /// A horizon over nodes at a spacing (both lengths).
     ///
     /// # Errors
-    /// [`Error::NotPositive`], [`Error::HorizonTooShort`], [`Error::HorizonOnNodes`].
+    /// [`Error::Parameter`], [`Error::HorizonTooShort`], [`Error::HorizonOnNodes`].
     pub fn new(radius: f64, spacing: f64) -> Result<Self, Error> {
         positive("spacing of the nodes", spacing)?;
         positive("horizon", radius)?;
@@ -94,7 +94,7 @@ mod tests {
             "the horizon is 0.9; it must be greater than the spacing 1 of the nodes"
         );
         assert!(matches!(Horizon::of_shells(0, 1.0), Err(Error::HorizonTooShort { .. })));
-        assert!(matches!(Horizon::new(f64::NAN, 1.0), Err(Error::NotPositive { .. })));
-        assert!(matches!(Horizon::new(1.5, -1.0), Err(Error::NotPositive { .. })));
+        assert!(matches!(Horizon::new(f64::NAN, 1.0), Err(Error::Parameter { .. })));
+        assert!(matches!(Horizon::new(1.5, -1.0), Err(Error::Parameter { .. })));
     }
 }

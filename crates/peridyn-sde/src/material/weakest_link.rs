@@ -5,7 +5,7 @@ use sde_integrators::Noise;
 
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
-use crate::error::{Error, positive};
+use crate::error::{Error, from_to, positive, same_length};
 
 /// Weibull's moduli, from a scatter of 16 times the mean to one of a thousandth.
 const MODULI: (f64, f64) = (0.2, 1000.0);
@@ -62,11 +62,7 @@ impl WeibullByVolume {
         if let StrengthElement::Block { size } = self.element {
             positive("size of the blocks of strength", size)?;
         }
-        let (value, (from, to)) = (self.modulus, MODULI);
-        if (from..=to).contains(&value) {
-            return Ok(());
-        }
-        Err(Error::OutOfRange { name: "Weibull modulus of the strength", value, from, to })
+        from_to("Weibull modulus of the strength", self.modulus, MODULI.0, MODULI.1)
     }
 }
 
@@ -74,7 +70,7 @@ impl WeibullByVolume {
 ///
 /// ```
 /// use peridyn_sde::{
-///     BondConfig, Bonds, Condition, Horizon, Influence, Nodes, StrengthElement, SurfaceCorrection, VolumeCorrection,
+///     BondConfig, Bonds, Condition, Horizon, Nodes, StrengthElement,
 ///     WeibullByVolume, WeibullStrength,
 /// };
 /// use sde_integrators::Noise;
@@ -82,13 +78,7 @@ impl WeibullByVolume {
 /// // A fibre of 20 mm in 200 links; of fibres of 10 mm 63.2 % break before a strain of 1.4 %.
 /// let area = 38.5e-12;
 /// let fibre = Nodes::lattice(1e-4, ([0.0], [0.02]), Condition::Bar { area }, |_| true)?;
-/// let config = BondConfig {
-///     horizon: Horizon::of_shells(1, 1e-4)?,
-///     young_modulus: 2.3e11,
-///     influence: Influence::Constant,
-///     volume_correction: VolumeCorrection::None,
-///     surface_correction: SurfaceCorrection::None,
-/// };
+/// let config = BondConfig::uncorrected(Horizon::of_shells(1, 1e-4)?, 2.3e11);
 /// let bonds = Bonds::new(&fibre, &config)?;
 /// let element = StrengthElement::Bond;
 /// let law = WeibullByVolume { scale: 0.014, modulus: 5.0, reference_volume: 0.01 * area, element };
@@ -123,8 +113,8 @@ impl WeibullStrength {
     /// [`DisorderField`](crate::DisorderField) are: fields with other numbers are independent of them.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for scale, volume or size; [`Error::OutOfRange`] for the modulus and for more than 2^24 blocks;
-    /// [`Error::Length`] for bonds of another body; [`Error::TooManyNodes`] for more bonds than an index of 32 bits holds.
+    /// [`Error::Parameter`] for scale, volume, size or modulus, and for more than 2^24 blocks;
+    /// [`Error::Length`] for bonds of another body; [`Error::TooMany`] for more bonds than an index of 32 bits holds.
     pub fn new<const D: usize>(
         nodes: &Nodes<D>,
         bonds: &Bonds,
@@ -133,10 +123,7 @@ impl WeibullStrength {
     ) -> Result<Self, Error> {
         law.check()?;
         let n_nodes = nodes.positions().len();
-        if bonds.n_nodes() != n_nodes {
-            let (value, expected) = (bonds.n_nodes(), n_nodes);
-            return Err(Error::Length { name: "the bonds", value, expected });
-        }
+        same_length("the bonds", bonds.n_nodes(), n_nodes)?;
         let (of_bonds, volumes) = match law.element {
             StrengthElement::Bond => by_bond(nodes, bonds)?,
             StrengthElement::Node => {
@@ -172,10 +159,7 @@ impl WeibullStrength {
     /// # Errors
     /// [`Error::Length`]; [`Error::StrengthOfElement`] for a strength beyond the range of numbers, as a small modulus may have.
     pub fn sample(&self, noise: &Noise, realisation: u64, out: &mut [f64]) -> Result<(), Error> {
-        let (value, expected) = (out.len(), self.of_bonds.len());
-        if value != expected {
-            return Err(Error::Length { name: "the strengths", value, expected });
-        }
+        same_length("the strengths", out.len(), self.of_bonds.len())?;
         let mut stream = field_stream(*noise, realisation, self.number);
         let exponent = self.law.modulus.recip();
         let mut strengths = Vec::with_capacity(self.scales.len());
@@ -209,7 +193,8 @@ impl WeibullStrength {
 type Elements = (Vec<[u32; 2]>, Vec<f64>);
 
 fn index(value: usize) -> Result<u32, Error> {
-    u32::try_from(value).map_err(|_| Error::TooManyNodes { value, limit: u32::MAX as usize })
+    let limit = u32::MAX as usize;
+    u32::try_from(value).map_err(|_| Error::TooMany { name: "nodes or bonds", value, limit })
 }
 
 fn by_bond<const D: usize>(nodes: &Nodes<D>, bonds: &Bonds) -> Result<Elements, Error> {
@@ -232,15 +217,7 @@ fn by_block<const D: usize>(nodes: &Nodes<D>, bonds: &Bonds, size: f64) -> Resul
     let counts: [f64; D] = std::array::from_fn(|k| {
         1.0 + x.iter().fold(0.0, |most: f64, x| most.max(along(x, k) - first[k]))
     });
-    let (value, limit) = (counts.iter().product::<f64>(), MOST_BLOCKS);
-    if value > limit {
-        return Err(Error::OutOfRange {
-            name: "number of blocks of strength",
-            value,
-            from: 0.0,
-            to: limit,
-        });
-    }
+    from_to("number of blocks of strength", counts.iter().product(), 0.0, MOST_BLOCKS)?;
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -3,8 +3,8 @@
 use random_fields::{Correlation, Enough, pivoted_cholesky};
 use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor};
 
-use super::{Factor, Mobility, expect};
-use crate::error::{Error, between, finite, positive};
+use super::{Factor, Mobility};
+use crate::error::{Error, at_most, between, not_negative, positive, same_length};
 
 /// Most nodes of a full matrix: 2 GB of it.
 const MOST_DENSE: usize = 16_384;
@@ -25,7 +25,7 @@ impl Mobility {
     /// Every free node for itself: `M = m 1`.
     ///
     /// # Errors
-    /// [`Error::NoFreeNode`], [`Error::NotPositive`] for the mobility (length / (force time)).
+    /// [`Error::NoFreeNode`], [`Error::Parameter`] for the mobility (length / (force time)).
     pub fn identity(free: &[bool], mobility: f64) -> Result<Self, Error> {
         positive("mobility", mobility)?;
         any_free(free)?;
@@ -35,19 +35,20 @@ impl Mobility {
     /// From the matrix itself, row after row (length / (force time)). Rows and columns of fixed nodes are not looked at.
     ///
     /// # Errors
-    /// [`Error::NoFreeNode`], [`Error::TooManyNodes`], [`Error::Length`]; [`Error::Factor`] for an entry that is not finite or
+    /// [`Error::NoFreeNode`], [`Error::TooMany`], [`Error::Length`]; [`Error::Factor`] for an entry that is not finite or
     /// not that on the other side of the diagonal to 1e-12; [`Error::NotPositiveDefinite`] with its first row.
     pub fn from_matrix(free: &[bool], matrix: &[f64]) -> Result<Self, Error> {
         let n = free.len();
-        expect("the matrix of the mobility", matrix.len(), n * n)?;
+        same_length("the matrix of the mobility", matrix.len(), n * n)?;
         Self::of_entries(free, |i, j| matrix[i * n + j])
     }
 
     /// With a correlation between all nodes (lengths), by a Cholesky factor.
     ///
     /// # Errors
-    /// [`Error::NotPositive`], [`Error::Length`], [`Error::Node`], [`Error::NoFreeNode`], [`Error::TooManyNodes`];
-    /// [`Error::Field`] for the correlation; [`Error::OutOfRange`] for a negative nugget; [`Error::NotPositiveDefinite`] for a smooth correlation without one.
+    /// [`Error::Parameter`] for the mobility or a negative nugget, [`Error::Length`], [`Error::Node`], [`Error::NoFreeNode`],
+    /// [`Error::TooMany`]; [`Error::Field`] for the correlation; [`Error::NotPositiveDefinite`] for a smooth correlation without a
+    /// nugget.
     pub fn dense<const D: usize>(
         positions: &[[f64; D]],
         free: &[bool],
@@ -66,8 +67,8 @@ impl Mobility {
     /// than `m (1 + nugget)` by it.
     ///
     /// # Errors
-    /// As [`Mobility::dense`]; [`Error::NotPositive`] for a nugget of zero, without which most of the motion would be frozen;
-    /// [`Error::OutOfRange`] for a tolerance not between 0 and 1.
+    /// As [`Mobility::dense`]; [`Error::Parameter`] for a nugget of zero, without which most of the motion would be frozen, or for a
+    /// tolerance not between 0 and 1.
     pub fn low_rank<const D: usize>(
         positions: &[[f64; D]],
         free: &[bool],
@@ -95,9 +96,7 @@ impl Mobility {
     fn of_entries(free: &[bool], entry: impl Fn(usize, usize) -> f64) -> Result<Self, Error> {
         let n = free.len();
         any_free(free)?;
-        if n > MOST_DENSE {
-            return Err(Error::TooManyNodes { value: n, limit: MOST_DENSE });
-        }
+        at_most("nodes of a full matrix", n, MOST_DENSE)?;
         let mut matrix = vec![0.0; n * n];
         for i in 0..n {
             for j in 0..n {
@@ -123,34 +122,21 @@ impl CorrelatedMobility {
     fn check<const D: usize>(&self, positions: &[[f64; D]], free: &[bool]) -> Result<(), Error> {
         positive("mobility", self.mobility)?;
         self.correlation.check()?;
-        finite("nugget", self.nugget)?;
-        if self.nugget < 0.0 {
-            let (value, to) = (self.nugget, f64::INFINITY);
-            return Err(Error::OutOfRange { name: "nugget", value, from: 0.0, to });
+        not_negative("nugget", self.nugget)?;
+        same_length("the free nodes", free.len(), positions.len())?;
+        for (node, place) in positions.iter().enumerate() {
+            if let Some(&value) = place.iter().find(|x| !x.is_finite()) {
+                return Err(Error::Node { name: "a coordinate", node, value, must: "finite" });
+            }
         }
-        check_nodes(positions, free)
+        any_free(free)
     }
-}
-
-fn check_positions<const D: usize>(positions: &[[f64; D]]) -> Result<(), Error> {
-    for (node, place) in positions.iter().enumerate() {
-        if let Some(&value) = place.iter().find(|x| !x.is_finite()) {
-            return Err(Error::Node { name: "a coordinate", node, value, must: "finite" });
-        }
-    }
-    Ok(())
 }
 
 /// A motion for each node, which moves it where it is free.
 fn own(free: &[bool], variance: f64) -> Result<DiagonalFactor, Error> {
     let deviation = |&is_free: &bool| if is_free { variance.sqrt() } else { 0.0 };
     Ok(DiagonalFactor::new(free.iter().map(deviation).collect())?)
-}
-
-fn check_nodes<const D: usize>(positions: &[[f64; D]], free: &[bool]) -> Result<(), Error> {
-    expect("the free nodes", free.len(), positions.len())?;
-    check_positions(positions)?;
-    any_free(free)
 }
 
 fn any_free(free: &[bool]) -> Result<(), Error> {

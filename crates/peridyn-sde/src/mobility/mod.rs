@@ -2,10 +2,10 @@
 
 mod build;
 
-use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor, NoiseFactor};
+use sde_integrators::{DenseFactor, DiagonalFactor, LowRankFactor, NoiseFactor as _};
 
 pub use self::build::CorrelatedMobility;
-use crate::error::Error;
+use crate::error::{Error, same_length};
 
 /// The mobility `M = L L^T` of the nodes of a body: symmetric, positive definite on the nodes that are free, and zero on those
 /// that are fixed. It does not depend on the displacement, so that `du = M f dt + sqrt(2 kT) L dB` needs no other drift.
@@ -29,7 +29,8 @@ use crate::error::Error;
 /// let matrix = [1.0, 0.5, 9.0, 0.5, 1.0, 9.0, 9.0, 9.0, 9.0];
 /// let mobility = Mobility::from_matrix(&[true, true, false], &matrix)?;
 /// let (mut motions, mut velocities) = ([0.0; 3], [0.0; 3]);
-/// mobility.drift(1, &[2.0, 0.0, 5.0], &mut motions, &mut velocities)?;
+/// mobility.apply_factor_transposed(1, &[2.0, 0.0, 5.0], &mut motions)?;
+/// mobility.apply_factor(1, &motions, &mut velocities)?;
 /// assert!((velocities[0] - 2.0).abs() < 1e-15 && (velocities[1] - 1.0).abs() < 1e-15);
 /// assert_eq!(velocities[2], 0.0);
 /// # Ok::<(), peridyn_sde::Error>(())
@@ -88,8 +89,8 @@ impl Mobility {
     /// # Errors
     /// [`Error::Length`].
     pub fn apply_factor(&self, components: usize, z: &[f64], out: &mut [f64]) -> Result<(), Error> {
-        expect("motions", z.len(), components * self.n_motions())?;
-        expect("displacements", out.len(), components * self.n_nodes())?;
+        same_length("motions", z.len(), components * self.n_motions())?;
+        same_length("displacements", out.len(), components * self.n_nodes())?;
         self.forth(components, z, out);
         Ok(())
     }
@@ -104,25 +105,10 @@ impl Mobility {
         f: &[f64],
         y: &mut [f64],
     ) -> Result<(), Error> {
-        expect("forces", f.len(), components * self.n_nodes())?;
-        expect("motions", y.len(), components * self.n_motions())?;
+        same_length("forces", f.len(), components * self.n_nodes())?;
+        same_length("motions", y.len(), components * self.n_motions())?;
         self.back(components, f, y);
         Ok(())
-    }
-
-    /// `M f = L (L^T f)` into `out`, by way of the motions: `f` and `out` are `[node][component]`.
-    ///
-    /// # Errors
-    /// [`Error::Length`].
-    pub fn drift(
-        &self,
-        components: usize,
-        f: &[f64],
-        motions: &mut [f64],
-        out: &mut [f64],
-    ) -> Result<(), Error> {
-        self.apply_factor_transposed(components, f, motions)?;
-        self.apply_factor(components, motions, out)
     }
 
     fn forth(&self, components: usize, z: &[f64], out: &mut [f64]) {
@@ -170,93 +156,64 @@ impl Mobility {
         }
     }
 
-    /// `M_ij` (length / (force time)).
-    ///
-    /// # Errors
-    /// [`Error::NoSuchNode`].
-    pub fn pair(&self, i: usize, j: usize) -> Result<f64, Error> {
-        let mut sum = 0.0;
-        self.for_each_motion([i, j], |l_i, l_j| sum += l_i * l_j)?;
-        Ok(sum)
-    }
-
     /// `M_ii + M_jj - 2 M_ij`, without cancellation: the mobility of the one node as seen from the other. In time `t` noise
     /// gives the distance of the nodes a variance of `2 kT t` times it.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchNode`].
-    pub fn relative(&self, i: usize, j: usize) -> Result<f64, Error> {
-        let mut sum = 0.0;
-        self.for_each_motion([i, j], |l_i, l_j| sum += (l_i - l_j) * (l_i - l_j))?;
-        Ok(sum)
-    }
-
-    /// Entries of two rows of the factor, motion by motion, but for those where both are zero.
-    fn for_each_motion(
-        &self,
-        [i, j]: [usize; 2],
-        mut entries: impl FnMut(f64, f64),
-    ) -> Result<(), Error> {
-        let n_nodes = self.n_nodes();
-        if let Some(&node) = [i, j].iter().find(|&&node| node >= n_nodes) {
-            return Err(Error::NoSuchNode { node, n_nodes });
-        }
+    pub(crate) fn relative(&self, i: usize, j: usize) -> f64 {
+        let square = |difference: f64| difference * difference;
         match &self.factor {
-            Factor::Diagonal(factor) => own_entries(factor, [i, j], entries),
+            Factor::Diagonal(factor) => own_relative(0.0, factor, [i, j]),
             Factor::Dense(factor) => {
                 let row = |node| if self.is_free[node] { factor.row(node) } else { &[][..] };
                 let (a, b) = (row(i), row(j));
-                for k in 0..a.len().max(b.len()) {
-                    entries(a.get(k).copied().unwrap_or(0.0), b.get(k).copied().unwrap_or(0.0));
-                }
+                let entry = |row: &[f64], k: usize| row.get(k).copied().unwrap_or(0.0);
+                (0..a.len().max(b.len())).map(|k| square(entry(a, k) - entry(b, k))).sum()
             }
             Factor::LowRank { smooth, nugget } => {
-                smooth.columns().for_each(|column| entries(column[i], column[j]));
-                own_entries(nugget, [i, j], entries);
+                let shared = smooth.columns().map(|of| square(of[i] - of[j])).sum();
+                own_relative(shared, nugget, [i, j])
             }
         }
-        Ok(())
     }
 }
 
-/// A mobility as the noise factor of a field of displacements `[node][component]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DisplacementNoise {
-    /// Its spatial factor.
-    pub mobility: Mobility,
-    /// Components of the displacement.
-    pub components: usize,
-}
-
-impl NoiseFactor for DisplacementNoise {
-    fn n_unknowns(&self) -> usize {
-        self.components * self.mobility.n_nodes()
-    }
-
-    fn n_motions(&self) -> usize {
-        self.components * self.mobility.n_motions()
-    }
-
-    fn apply(&self, z: &[f64], result: &mut [f64]) {
-        self.mobility.forth(self.components, z, result);
-    }
-
-    fn apply_transposed(&self, x: &[f64], result: &mut [f64]) {
-        self.mobility.back(self.components, x, result);
-    }
-}
-
-/// Motions that each belong to one node.
-fn own_entries(factor: &DiagonalFactor, [i, j]: [usize; 2], mut entries: impl FnMut(f64, f64)) {
+/// Adds the relative mobility by motions that each belong to one node.
+fn own_relative(shared: f64, factor: &DiagonalFactor, [i, j]: [usize; 2]) -> f64 {
     let deviations = factor.deviations();
-    if i == j {
-        entries(deviations[i], deviations[i]);
-    } else {
-        entries(deviations[i], 0.0);
-        entries(0.0, deviations[j]);
-    }
+    if i == j { shared } else { shared + deviations[i].powi(2) + deviations[j].powi(2) }
 }
 
-fn expect(name: &'static str, value: usize, expected: usize) -> Result<(), Error> {
-    if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
+#[cfg(test)]
+mod tests {
+    use random_fields::{Correlation, CorrelationFunction};
+
+    use super::*;
+
+    /// By the columns of `M`, each the image of a unit force.
+    #[test]
+    fn relative_mobilities_are_those_of_the_matrix() {
+        let places: Vec<[f64; 2]> = (0..64).map(|k| [f64::from(k % 8), f64::from(k / 8)]).collect();
+        let free: Vec<bool> = (0..64).map(|node| node >= 8).collect();
+        let correlation = Correlation { function: CorrelationFunction::Gaussian, length: 2.0 };
+        let config = CorrelatedMobility { mobility: 0.7, correlation, nugget: 0.1 };
+        for mobility in [
+            Mobility::identity(&free, 0.7),
+            Mobility::dense(&places, &free, &config),
+            Mobility::low_rank(&places, &free, &config, 1e-3),
+        ] {
+            let mobility = mobility.unwrap();
+            let column = |j: usize| {
+                let (mut unit, mut image) = (vec![0.0; 64], vec![0.0; 64]);
+                let mut motions = vec![0.0; mobility.n_motions()];
+                unit[j] = 1.0;
+                mobility.apply_factor_transposed(1, &unit, &mut motions).unwrap();
+                mobility.apply_factor(1, &motions, &mut image).unwrap();
+                image
+            };
+            for (i, j) in [(3, 8), (8, 9), (27, 27), (63, 20)] {
+                let (of_i, of_j) = (column(i), column(j));
+                let expected = of_i[i] + of_j[j] - 2.0 * of_j[i];
+                assert!((mobility.relative(i, j) - expected).abs() < 1e-13, "{i} {j}");
+            }
+        }
+    }
 }

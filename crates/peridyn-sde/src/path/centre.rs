@@ -12,8 +12,8 @@ pub(super) struct Middles {
 }
 
 impl Middles {
-    /// Of bonds that the notch did not cut and that end at a node of the crack.
-    pub(super) fn new(body: &Fractured<'_, 2>, nodes_of_crack: &[usize], horizon: f64) -> Self {
+    /// The middles of bonds that the notch did not cut and that end at a node of the crack.
+    pub(super) fn new(body: &Fractured<'_>, nodes_of_crack: &[usize], horizon: f64) -> Self {
         let x = body.nodes.positions();
         let mut of_crack = vec![false; x.len()];
         for &node in nodes_of_crack {

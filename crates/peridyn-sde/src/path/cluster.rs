@@ -12,54 +12,42 @@ use crate::error::Error;
 const LINK: f64 = 1.75;
 
 /// The nodes of all cracks, numbered anew, and their links.
-pub(super) struct Cluster<const D: usize> {
+pub(super) struct Cluster {
     /// The number of each member among the nodes.
     pub(super) nodes: Vec<usize>,
-    pub(super) positions: Vec<[f64; D]>,
+    pub(super) positions: Vec<[f64; 2]>,
     links: NeighbourList,
     /// The longest bond.
     pub(super) horizon: f64,
 }
 
-impl<const D: usize> Cluster<D> {
+impl Cluster {
     /// The nodes that have lost `threshold` of their bonds, half of that not to the notch.
-    pub(super) fn new(body: &Fractured<'_, D>, threshold: f64) -> Result<Self, Error> {
+    pub(super) fn new(body: &Fractured<'_>, threshold: f64) -> Result<Self, Error> {
         let mut by_notch = vec![false; body.bonds.len()];
         for &bond in body.cut {
             by_notch[bond] = true;
         }
-        let notch = damage(body, |bond| by_notch[bond]);
-        let all = damage(body, |bond| by_notch[bond] || body.broken[bond]);
+        let damage = |lost: &dyn Fn(usize) -> bool| {
+            body.bonds.damage_of_nodes(|bond| f64::from(u8::from(lost(bond))))
+        };
+        let notch = damage(&|bond| by_notch[bond]);
+        let all = damage(&|bond| by_notch[bond] || body.broken[bond]);
         let of_crack =
             |&node: &usize| all[node] >= threshold && all[node] - notch[node] >= 0.5 * threshold;
         let nodes: Vec<usize> = (0..all.len()).filter(of_crack).collect();
         let positions: Vec<_> = nodes.iter().map(|&node| body.nodes.positions()[node]).collect();
         let mut links = NeighbourList::new();
         let radius = LINK * body.nodes.spacing();
-        // Nodes are finite and fewer than an index holds; what is left is a spacing beyond all measure.
-        CellGrid::new()
-            .full_list(&positions, Radii::Uniform(radius), &mut links)
-            .map_err(|_| Error::NotPositive { name: "spacing of the nodes", value: radius })?;
+        CellGrid::new().full_list(&positions, Radii::Uniform(radius), &mut links)?;
         let horizon = body.bonds.all().iter().fold(0.0, |most, bond| f64::max(most, bond.length));
         Ok(Self { nodes, positions, links, horizon })
     }
 }
 
-/// The damage of each node, as of [`Network::damage`](crate::Network::damage).
-fn damage<const D: usize>(body: &Fractured<'_, D>, lost: impl Fn(usize) -> bool) -> Vec<f64> {
-    let mut sums = vec![[0.0; 2]; body.bonds.n_nodes()];
-    for ((bond, of), (i, j)) in body.bonds.all().iter().enumerate().zip(body.bonds.pairs()) {
-        for node in [i, j] {
-            sums[node][0] += if lost(bond) { of.stiffness } else { 0.0 };
-            sums[node][1] += of.stiffness;
-        }
-    }
-    sums.iter().map(|[lost, all]| lost / all).collect()
-}
-
-/// The shortest ways to members, from the tip of a notch or from what is planted.
-pub(super) struct Tree<'a, const D: usize> {
-    cluster: &'a Cluster<D>,
+/// The shortest ways to members, from the tip of a notch or from ways that are planted.
+pub(super) struct Tree<'a> {
+    cluster: &'a Cluster,
     /// Infinite where no way leads.
     distances: Vec<f64>,
     previous: Vec<Option<usize>>,
@@ -86,23 +74,19 @@ impl PartialOrd for Next {
     }
 }
 
-impl<'a, const D: usize> Tree<'a, D> {
-    /// Ways from members within a horizon of places that start as far off as `start` says.
-    pub(super) fn new(cluster: &'a Cluster<D>, start: impl Fn(&[f64; D]) -> f64) -> Self {
+impl<'a> Tree<'a> {
+    /// Ways from the members within a horizon of the tip.
+    pub(super) fn from_tip(cluster: &'a Cluster, tip: &[f64; 2]) -> Self {
         let n = cluster.positions.len();
         let mut tree = Self { cluster, distances: vec![f64::INFINITY; n], previous: vec![None; n] };
-        for (distance, position) in tree.distances.iter_mut().zip(&cluster.positions) {
-            let from = start(position);
-            if from <= cluster.horizon {
-                *distance = from;
+        for (from_tip, position) in tree.distances.iter_mut().zip(&cluster.positions) {
+            let straight = distance(position, tip);
+            if straight <= cluster.horizon {
+                *from_tip = straight;
             }
         }
         tree.settle();
         tree
-    }
-
-    pub(super) fn from_tip(cluster: &'a Cluster<D>, tip: &[f64; D]) -> Self {
-        Self::new(cluster, |x| distance(x, tip))
     }
 
     /// Dijkstra's algorithm.
@@ -165,6 +149,7 @@ impl<'a, const D: usize> Tree<'a, D> {
     }
 }
 
-pub(super) fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    (0..D).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+/// As `sqrt` of the squares: `hypot` has other bits.
+fn distance(a: &[f64; 2], b: &[f64; 2]) -> f64 {
+    ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt()
 }

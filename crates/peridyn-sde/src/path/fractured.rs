@@ -2,35 +2,27 @@
 
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
-use crate::error::Error;
+use crate::error::{Error, exists, same_length};
 
 /// A body with its bonds, intact and broken.
 #[derive(Debug, Clone, Copy)]
-pub struct Fractured<'a, const D: usize> {
+pub struct Fractured<'a> {
     /// The nodes.
-    pub nodes: &'a Nodes<D>,
+    pub nodes: &'a Nodes<2>,
     /// The bonds.
     pub bonds: &'a Bonds,
     /// Whether each bond is broken, in the order of [`Bonds::all`]; what the notch cut may be among them. To exclude
     /// prescribed edges, pass their bonds as intact.
     pub broken: &'a [bool],
-    /// The bonds that the notch cut, as [`Bonds::across_segment`] and [`Bonds::across_plane`] give them.
+    /// The bonds that the notch cut, as [`Bonds::across_segment`] gives them.
     pub cut: &'a [usize],
 }
 
-impl<const D: usize> Fractured<'_, D> {
+impl Fractured<'_> {
     pub(super) fn check(&self) -> Result<(), Error> {
-        let length = |name, value, expected| {
-            if value == expected { Ok(()) } else { Err(Error::Length { name, value, expected }) }
-        };
-        length("nodes", self.nodes.positions().len(), self.bonds.n_nodes())?;
-        let expected = self.bonds.len();
-        length("flags of broken bonds", self.broken.len(), expected)?;
-        match self.cut.iter().find(|&&bond| bond >= expected) {
-            Some(&value) => {
-                Err(Error::Length { name: "the number of a cut bond", value, expected })
-            }
-            None => Ok(()),
-        }
+        same_length("nodes", self.nodes.positions().len(), self.bonds.n_nodes())?;
+        let n_bonds = self.bonds.len();
+        same_length("flags of broken bonds", self.broken.len(), n_bonds)?;
+        self.cut.iter().try_for_each(|&bond| exists("the number of a cut bond", bond, n_bonds))
     }
 }

@@ -1,6 +1,6 @@
 //! What is asked of a path.
 
-use crate::error::{Error, finite};
+use crate::error::{Error, at_least, finite};
 
 /// A crack in a plane from the tip of a notch on.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,15 +40,12 @@ impl CrackPath {
     /// A path through points (length).
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for a coordinate; [`Error::TooFew`] for fewer than two points; [`Error::NotPositive`] where all are one
-    /// place.
+    /// [`Error::Parameter`] for a coordinate, and where all points are one place; [`Error::TooFew`] for fewer than two points.
     pub fn from_points(points: Vec<[f64; 2]>) -> Result<Self, Error> {
         for &value in points.iter().flatten() {
             finite("a coordinate of a path", value)?;
         }
-        if points.len() < 2 {
-            return Err(Error::TooFew { name: "points of a path", value: points.len(), limit: 2 });
-        }
+        at_least("points of a path", points.len(), 2)?;
         crate::error::positive("length of a path", length(&points))?;
         Ok(Self { points, branches: vec![] })
     }
@@ -92,7 +89,7 @@ impl CrackPath {
     /// Its beginning, up to a length, without branches; all of it where it is shorter.
     ///
     /// # Errors
-    /// [`Error::NotPositive`].
+    /// [`Error::Parameter`].
     pub fn until(&self, limit: f64) -> Result<Self, Error> {
         crate::error::positive("length of a path", limit)?;
         let (mut points, mut so_far) = (vec![self.points[0]], 0.0);
@@ -112,9 +109,10 @@ impl CrackPath {
     /// the sense of the crack, from `-pi` to `pi`).
     ///
     /// # Errors
-    /// As [`CrackPath::chord_angle`].
+    /// [`Error::Parameter`] for a direction that is not finite or has no length.
     pub fn angle_of_fit(&self, direction: [f64; 2]) -> Result<f64, Error> {
-        let chord = self.chord();
+        let (first, tip) = (self.points[0], self.tip());
+        let chord = [tip[0] - first[0], tip[1] - first[1]];
         let line = fitted(&self.points);
         let forward = if line.along[0] * chord[0] + line.along[1] * chord[1] < 0.0 {
             line.along.map(|c| -c)
@@ -122,19 +120,6 @@ impl CrackPath {
             line.along
         };
         angle(direction, forward)
-    }
-
-    /// The angle from a direction to the line from its first point to its tip (radian, counter-clockwise, from `-pi` to `pi`).
-    ///
-    /// # Errors
-    /// [`Error::NotFinite`] for the direction, [`Error::NotPositive`] where it has no length.
-    pub fn chord_angle(&self, direction: [f64; 2]) -> Result<f64, Error> {
-        angle(direction, self.chord())
-    }
-
-    fn chord(&self) -> [f64; 2] {
-        let (first, last) = (self.points[0], self.tip());
-        [last[0] - first[0], last[1] - first[1]]
     }
 }
 
@@ -177,7 +162,7 @@ fn join(paths: &[Vec<[f64; 2]>], arm: Vec<[f64; 2]>, horizon: f64) -> Vec<[f64; 
     }
 }
 
-/// Of the path that comes nearest to a place, what follows it there.
+/// What follows a place on the path that comes nearest to it.
 fn beyond_nearest<'a>(paths: &'a [Vec<[f64; 2]>], place: &[f64; 2]) -> Option<&'a [[f64; 2]]> {
     let far = |path: &[[f64; 2]], point: usize| length(&[path[point], *place]);
     paths
@@ -206,7 +191,7 @@ fn fitted_if_long(points: &[[f64; 2]]) -> Option<Line> {
 
 struct Line {
     through: [f64; 2],
-    /// Of length one.
+    /// The direction, of length one.
     along: [f64; 2],
 }
 
@@ -320,9 +305,7 @@ mod tests {
         let path = path(&[[1.0, 1.0], [0.0, 2.0], [-2.0, 4.0]]);
         // Backwards and up: 135 degrees from the first axis, -45 from the opposite one.
         let right = std::f64::consts::FRAC_PI_4;
-        for angle in [path.angle_of_fit([1.0, 0.0]), path.chord_angle([1.0, 0.0])] {
-            assert!((angle.unwrap() - 3.0 * right).abs() < 1e-14);
-        }
+        assert!((path.angle_of_fit([1.0, 0.0]).unwrap() - 3.0 * right).abs() < 1e-14);
         assert!((path.angle_of_fit([-2.0, 0.0]).unwrap() + right).abs() < 1e-14);
         assert!((path.length() - 18_f64.sqrt()).abs() < 1e-14);
         let part = path.until(2.0).unwrap();
@@ -351,11 +334,8 @@ mod tests {
     #[test]
     fn a_path_needs_two_places() {
         assert!(matches!(CrackPath::from_points(vec![[0.0; 2]]), Err(Error::TooFew { .. })));
-        assert!(matches!(
-            CrackPath::from_points(vec![[0.0; 2]; 2]),
-            Err(Error::NotPositive { .. })
-        ));
+        assert!(matches!(CrackPath::from_points(vec![[0.0; 2]; 2]), Err(Error::Parameter { .. })));
         let nan = CrackPath::from_points(vec![[0.0, f64::NAN], [0.0; 2]]);
-        assert!(matches!(nan, Err(Error::NotFinite { .. })));
+        assert!(matches!(nan, Err(Error::Parameter { .. })));
     }
 }

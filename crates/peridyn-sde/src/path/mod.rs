@@ -27,7 +27,7 @@ impl Notch {
     /// Its direction, of length one.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`] for a notch without length.
+    /// [`Error::Parameter`] for a notch without length.
     pub fn direction(&self) -> Result<[f64; 2], Error> {
         for value in self.mouth.into_iter().chain(self.tip) {
             finite("an end of the notch", value)?;
@@ -88,19 +88,12 @@ impl PathConfig {
 ///
 /// ```
 /// use peridyn_sde::{
-///     BondConfig, Bonds, Condition, Fractured, Horizon, Influence, Nodes, Notch, PathConfig, SurfaceCorrection,
-///     VolumeCorrection, crack_path,
+///     BondConfig, Bonds, Condition, Fractured, Horizon, Nodes, Notch, PathConfig, crack_path,
 /// };
 ///
 /// let plate = Condition::PlaneStress { thickness: 1.0 };
 /// let nodes = Nodes::lattice(1.0, ([0.0; 2], [60.0, 40.0]), plate, |_| true)?;
-/// let config = BondConfig {
-///     horizon: Horizon::of_shells(3, 1.0)?,
-///     young_modulus: 1.0,
-///     influence: Influence::Constant,
-///     volume_correction: VolumeCorrection::None,
-///     surface_correction: SurfaceCorrection::None,
-/// };
+/// let config = BondConfig::uncorrected(Horizon::of_shells(3, 1.0)?, 1.0);
 /// let bonds = Bonds::new(&nodes, &config)?;
 /// let notch = Notch { mouth: [0.0, 20.0], tip: [15.0, 20.0] };
 /// let cut = bonds.across_segment(&nodes, (notch.mouth, notch.tip))?;
@@ -117,10 +110,9 @@ impl PathConfig {
 /// ```
 ///
 /// # Errors
-/// [`Error::Length`] for flags and bonds of another body; [`Error::OutOfRange`] and [`Error::NotPositive`] for the configuration;
-/// [`Error::NotFinite`] for the notch.
+/// [`Error::Length`] for flags and bonds of another body; [`Error::Parameter`] for the configuration or the notch.
 pub fn crack_path(
-    body: &Fractured<'_, 2>,
+    body: &Fractured<'_>,
     notch: &Notch,
     config: &PathConfig,
 ) -> Result<Option<CrackPath>, Error> {

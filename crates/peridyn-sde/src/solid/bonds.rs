@@ -61,7 +61,7 @@ impl SolidBonds {
     /// Bonds all nodes within the horizon of each other.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for Young's modulus; [`Error::OutOfRange`] for a Poisson's ratio outside of -1 to 0.5;
+    /// [`Error::Parameter`] for Young's modulus, and for a Poisson's ratio outside of -1 to 0.5;
     /// [`Error::Coincident`] for two nodes at one place, [`Error::LooseNode`] for a node without a bond; [`Error::Node`] for one whose
     /// energy the surface correction makes negative.
     pub fn new<const D: usize>(

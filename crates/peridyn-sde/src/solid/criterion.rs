@@ -25,7 +25,7 @@ const INTERVALS: u32 = 96;
 /// `energy_release_rate` `G0` (energy over area), `young_modulus` (stress), `horizon` (length).
 ///
 /// # Errors
-/// [`Error::NotPositive`]; [`Error::OutOfRange`] for a Poisson's ratio outside of -1 to 0.5.
+/// [`Error::Parameter`] for a Poisson's ratio outside of -1 to 0.5.
 pub fn critical_stretch_of_solid(
     energy_release_rate: f64,
     (young_modulus, poisson_ratio): (f64, f64),
@@ -82,7 +82,7 @@ fn across(influence: Influence, dimension: u32, depth: f64, tau: f64) -> f64 {
     sum * (1.0 - least) / f64::from(INTERVALS)
 }
 
-/// Of equal intervals from 0 to 1.
+/// Number of equal intervals from 0 to 1.
 fn midpoints() -> impl Iterator<Item = f64> {
     (0..INTERVALS).map(|interval| (f64::from(interval) + 0.5) / f64::from(INTERVALS))
 }

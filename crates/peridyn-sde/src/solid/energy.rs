@@ -7,7 +7,7 @@ use crate::real::Real;
 impl SolidBonds {
     /// The energy `V_i W_i` of each node of a body of these bonds in a lane (energy), over the intact bonds.
     ///
-    /// Of the part that a bond has in the sum of all, either end has a share inverse to its weighted volume.
+    /// Each end of a bond takes a share, inverse to its weighted volume, of the part that the bond has in the sum of all.
     ///
     /// # Panics
     /// For displacements `u` (length) or bonds of another body.

@@ -14,7 +14,7 @@ pub(crate) struct Moduli {
 
 impl Moduli {
     /// # Errors
-    /// [`Error::NotPositive`] for Young's modulus, [`Error::OutOfRange`] for Poisson's ratio.
+    /// [`Error::Parameter`] for Young's modulus or Poisson's ratio.
     pub(crate) fn new(
         young_modulus: f64,
         poisson_ratio: f64,

@@ -53,7 +53,7 @@ impl Bootstrap {
     /// With other numbers.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for fewer than 100 resamples, [`Error::OutOfRange`] for a confidence that is not between 0 and 1.
+    /// [`Error::TooFew`] for fewer than 100 resamples, [`Error::Parameter`] for a confidence that is not between 0 and 1.
     pub fn with(noise: Noise, resamples: usize, confidence: f64) -> Result<Self, Error> {
         at_least("resamples", resamples, Self::LEAST_RESAMPLES)?;
         between("confidence", confidence, 0.0, 1.0)?;
@@ -63,7 +63,7 @@ impl Bootstrap {
     /// The standard deviation of the law a sample was drawn from.
     ///
     /// # Errors
-    /// [`Error::TooFew`] for fewer than 10 values, [`Error::NotFinite`] for one that is not.
+    /// [`Error::TooFew`] for fewer than 10 values, [`Error::Parameter`] for one that is not.
     pub fn deviation(&self, values: &[f64]) -> Result<Interval, Error> {
         check(values)?;
         let mut stream = self.noise.stream(Purpose::Bootstrap, 0);
@@ -79,7 +79,7 @@ impl Bootstrap {
     /// The ratio of the standard deviations of two laws, by independent samples of them.
     ///
     /// # Errors
-    /// As [`Bootstrap::deviation`]; [`Error::NotPositive`] where the second sample, or one drawn from it, has no deviation.
+    /// As [`Bootstrap::deviation`]; [`Error::Parameter`] where the second sample, or one drawn from it, has no deviation.
     pub fn ratio_of_deviations(&self, above: &[f64], below: &[f64]) -> Result<Interval, Error> {
         check(above)?;
         check(below)?;
@@ -129,7 +129,7 @@ fn resample(values: &[f64], stream: &mut Stream, drawn: &mut Vec<f64>) {
     drawn.extend((0..n).map(|_| values[((stream.next_uniform() * n as f64) as usize).min(n - 1)]));
 }
 
-/// Of two values at least.
+/// The standard deviation of two values at least.
 fn deviation(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -176,7 +176,7 @@ mod tests {
         assert!(ratio.contains(0.5) && !ratio.contains(1.0) && !ratio.contains(0.3), "{ratio:?}");
         assert_eq!(ratio, bootstrap.ratio_of_deviations(&one, &two).unwrap());
         let flat = bootstrap.ratio_of_deviations(&one, &[1.0; 20]);
-        assert!(matches!(flat, Err(Error::NotPositive { .. })));
+        assert!(matches!(flat, Err(Error::Parameter { .. })));
     }
 
     #[test]
@@ -185,8 +185,8 @@ mod tests {
         let few = Bootstrap::new(noise).deviation(&[1.0; 9]).unwrap_err();
         assert_eq!(few.to_string(), "9 values to resample; at least 10 are needed");
         assert!(matches!(Bootstrap::with(noise, 99, 0.9), Err(Error::TooFew { .. })));
-        assert!(matches!(Bootstrap::with(noise, 100, 1.0), Err(Error::OutOfRange { .. })));
+        assert!(matches!(Bootstrap::with(noise, 100, 1.0), Err(Error::Parameter { .. })));
         let nan = Bootstrap::new(noise).deviation(&[f64::NAN; 10]);
-        assert!(matches!(nan, Err(Error::NotFinite { .. })));
+        assert!(matches!(nan, Err(Error::Parameter { .. })));
     }
 }

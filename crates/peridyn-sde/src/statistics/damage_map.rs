@@ -2,7 +2,7 @@
 
 use sde_integrators::{Estimate, Uncertainty};
 
-use crate::error::{Error, at_least, between};
+use crate::error::{Error, at_least, at_most, between, same_length};
 
 /// Damage is counted in units of this: sums of whole numbers do not depend on their order.
 const UNIT: f64 = 1.0 / (1_u64 << 40) as f64;
@@ -21,7 +21,7 @@ pub struct DamageMap {
     threshold: f64,
     /// Ascending.
     realisations: Vec<u64>,
-    /// Of each node: how often, the sum of damage, the sum of its square.
+    /// For each node how often it reached the threshold, the sum of its damage, and the sum of the squares.
     sums: Vec<[u64; 3]>,
 }
 
@@ -55,10 +55,10 @@ impl DamageMap {
     /// The most realisations that a sum holds.
     pub const MOST_REALISATIONS: usize = 1 << 23;
 
-    /// Of no realisation as yet, for a body of so many nodes; `threshold` is between 0 and 1.
+    /// A map of no realisation as yet, for a body of so many nodes; `threshold` is between 0 and 1.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for the threshold, [`Error::TooFew`] for no node.
+    /// [`Error::Parameter`] for the threshold, [`Error::TooFew`] for no node.
     pub fn new(n_nodes: usize, threshold: f64) -> Result<Self, Error> {
         between("threshold of damage", threshold, 0.0, 1.0)?;
         at_least("nodes", n_nodes, 1)?;
@@ -69,12 +69,9 @@ impl DamageMap {
     ///
     /// # Errors
     /// [`Error::Length`] for another number of nodes, [`Error::Node`] for a damage that cannot be, [`Error::Doubled`] for a
-    /// realisation that is in already, [`Error::TooManyRealisations`]; nothing is taken in then.
+    /// realisation that is in already, [`Error::TooMany`]; nothing is taken in then.
     pub fn push(&mut self, realisation: u64, damage: &[f64]) -> Result<(), Error> {
-        let (value, expected) = (damage.len(), self.sums.len());
-        if value != expected {
-            return Err(Error::Length { name: "damage", value, expected });
-        }
+        same_length("damage", damage.len(), self.sums.len())?;
         let possible = |damage: &f64| (0.0..=1.0).contains(damage);
         if let Some(node) = damage.iter().position(|damage| !possible(damage)) {
             let value = damage[node];
@@ -98,10 +95,7 @@ impl DamageMap {
     /// # Errors
     /// As [`DamageMap::push`], with [`Error::Foreign`] for another threshold; nothing is taken in then.
     pub fn merge(&mut self, other: &Self) -> Result<(), Error> {
-        let (value, expected) = (other.sums.len(), self.sums.len());
-        if value != expected {
-            return Err(Error::Length { name: "damage", value, expected });
-        }
+        same_length("damage", other.sums.len(), self.sums.len())?;
         if other.threshold.to_bits() != self.threshold.to_bits() {
             let (value, expected) = (other.threshold, self.threshold);
             return Err(Error::Foreign { name: "threshold of damage", value, expected });
@@ -130,10 +124,9 @@ impl DamageMap {
         let n = self.realisations.len() as u64;
         let most = [n, n * units(1.0), n * units(1.0)];
         for (k, name) in NAMES.into_iter().enumerate() {
-            if let Some(sums) = self.sums.iter().find(|sums| sums[k] > most[k]) {
-                let unit = if k == 0 { 1.0 } else { UNIT };
-                let (value, to) = (sums[k] as f64 * unit, most[k] as f64 * unit);
-                return Err(Error::OutOfRange { name, value, from: 0.0, to });
+            let unit = if k == 0 { 1.0 } else { UNIT };
+            for sums in self.sums.iter().filter(|sums| sums[k] > most[k]) {
+                between(name, sums[k] as f64 * unit, 0.0, most[k] as f64 * unit)?;
             }
         }
         Ok(())
@@ -177,8 +170,7 @@ impl DamageMap {
     }
 
     fn room(value: usize) -> Result<(), Error> {
-        let limit = Self::MOST_REALISATIONS;
-        if value > limit { Err(Error::TooManyRealisations { value, limit }) } else { Ok(()) }
+        at_most("realisations", value, Self::MOST_REALISATIONS)
     }
 }
 

@@ -44,7 +44,7 @@ impl CrackEnsemble {
     ///
     /// # Errors
     /// [`Error::TooFew`] for no realisation, [`Error::NoSuchRealisation`], [`Error::Doubled`], [`Error::Missing`] for a number that
-    /// is not below `n_realisations`, there twice, or not there; [`Error::NotFinite`] for a number in a record.
+    /// is not below `n_realisations`, there twice, or not there; [`Error::Parameter`] for a number in a record.
     pub fn new(
         n_realisations: u64,
         records: impl IntoIterator<Item = CrackRecord>,
@@ -109,7 +109,7 @@ impl CrackEnsemble {
     /// Where cracks pass each of some abscissae.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for an abscissa, [`Error::TooFew`] where no realisation counts.
+    /// [`Error::Parameter`] for an abscissa, [`Error::TooFew`] where no realisation counts.
     pub fn bands(&self, abscissae: &[f64], bootstrap: &Bootstrap) -> Result<Vec<Band>, Error> {
         let n = self.counted().count();
         let band = |&x: &f64| {
@@ -305,7 +305,7 @@ mod tests {
         assert_eq!(of(&[0, 1, 2, 3]), Err(Error::NoSuchRealisation { realisation: 3, limit: 3 }));
         let mut nan = record(0, 3);
         nan.failure_load = Some(f64::NAN);
-        assert!(matches!(CrackEnsemble::new(1, [nan]), Err(Error::NotFinite { .. })));
+        assert!(matches!(CrackEnsemble::new(1, [nan]), Err(Error::Parameter { .. })));
         assert!(matches!(CrackEnsemble::new(0, []), Err(Error::TooFew { .. })));
         let lost = CrackRecord::without_crack(0, CrackOutcome::Disconnected);
         let lost = CrackEnsemble::new(1, [lost]).unwrap();

@@ -41,7 +41,7 @@ impl SummaryConfig {
     /// The summaries of records.
     ///
     /// # Errors
-    /// [`Error::NotPositive`] for the logarithm of a load.
+    /// [`Error::Parameter`] for the logarithm of a load.
     pub fn of_records(&self, records: &[CrackRecord]) -> Result<CrackSummaries, Error> {
         let mut found = CrackSummaries::default();
         for record in records {
@@ -102,6 +102,6 @@ mod tests {
         assert_eq!(alone.of_records(&records).unwrap().rows, [[5.0], [6.0], [7.0]]);
         let below = [record(0, 1.0, Some(-1.0))];
         let config = SummaryConfig { abscissae: vec![], load: LoadSummary::LogFailureLoad };
-        assert!(matches!(config.of_records(&below), Err(Error::NotPositive { .. })));
+        assert!(matches!(config.of_records(&below), Err(Error::Parameter { .. })));
     }
 }

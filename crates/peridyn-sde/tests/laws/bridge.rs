@@ -16,8 +16,8 @@ const STRENGTH: f64 = 0.08;
 /// Which bond broke in which step and realisation, and whether it did so within the step.
 type Broken = BTreeSet<(u64, u64, usize, bool)>;
 
-fn broken<T: Real, B: Body<T, 2, L>, const L: usize>(
-    body: B,
+fn broken<T: Real, const L: usize>(
+    body: impl Body<T, 2, L> + 'static,
     breaking: Breaking,
     realisations: [u64; L],
 ) -> Broken {
@@ -30,19 +30,19 @@ fn broken<T: Real, B: Body<T, 2, L>, const L: usize>(
     let config =
         SimulationConfig { dynamics, dt: 0.05, breaking, confinement: 0.0, noise: Noise::new(3) };
     let mut run = Simulation::new(body, Loading::new(n), config, realisations).unwrap();
-    let events: Vec<_> = (0..N_STEPS).flat_map(|_| run.step().unwrap().broken).collect();
-    let lanes = |lanes: u16| (0..L).filter(move |lane| lanes & 1 << lane != 0);
-    let all = events.iter().flat_map(|event| {
-        let within = event.cause == Cause::Crossing;
-        lanes(event.lanes).map(move |lane| (realisations[lane], event.step, event.bond, within))
-    });
-    all.collect()
+    let mut found = Broken::new();
+    for _ in 0..N_STEPS {
+        let report = run.step().unwrap();
+        for event in report.broken {
+            let lanes = (0..L).filter(|lane| event.lanes & 1 << lane != 0);
+            let within = event.cause == Cause::Crossing;
+            found.extend(lanes.map(|lane| (realisations[lane], report.step, event.bond, within)));
+        }
+    }
+    found
 }
 
-fn list<T: Real, const L: usize>(strain: Strain, ids: [u64; L], breaking: Breaking) -> Broken
-where
-    BondList<T, 2, L>: Body<T, 2, L>,
-{
+fn list<T: Real, const L: usize>(strain: Strain, ids: [u64; L], breaking: Breaking) -> Broken {
     let (nodes, bonds) = plate(7.0);
     let strengths = vec![STRENGTH; bonds.len()];
     let body = BondList::<T, 2, L>::new(nodes, bonds, strain, &strengths).unwrap();

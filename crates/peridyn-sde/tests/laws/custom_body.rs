@@ -2,8 +2,8 @@
 
 use peridyn_sde::{
     AtStrength, Body, BondConfig, BondList, Bonds, Breaking, BrokenBond, Cause, Condition,
-    Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Scheme, Simulation,
-    SimulationConfig, Strain, SurfaceCorrection, VolumeCorrection,
+    Dynamics, Error, Horizon, Loading, Mobility, Nodes, Scheme, Simulation, SimulationConfig,
+    Strain,
 };
 use sde_integrators::Noise;
 
@@ -57,13 +57,7 @@ impl Body<f64, 1, 1> for Springs {
 fn row() -> (Nodes<1>, Bonds) {
     let bar = Condition::Bar { area: 1.0 };
     let nodes = Nodes::lattice(1.0, ([0.0], [20.0]), bar, |_| true).unwrap();
-    let config = BondConfig {
-        horizon: Horizon::of_shells(2, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(2, 1.0).unwrap(), 1.0);
     let bonds = Bonds::new(&nodes, &config).unwrap();
     (nodes, bonds)
 }
@@ -83,7 +77,7 @@ struct End {
     energy: f64,
 }
 
-fn end(body: impl Body<f64, 1, 1>, scheme: Scheme) -> End {
+fn end(body: impl Body<f64, 1, 1> + 'static, scheme: Scheme) -> End {
     let dynamics = Dynamics::Overdamped {
         mobility: Mobility::identity(&[true; 20], 1.0).unwrap(),
         temperature: 5e-5,
@@ -96,7 +90,7 @@ fn end(body: impl Body<f64, 1, 1>, scheme: Scheme) -> End {
     let mut broken = Vec::new();
     for _ in 0..200 {
         let report = run.step().unwrap();
-        broken.extend(report.broken.iter().map(|of| (of.step, of.bond, of.cause)));
+        broken.extend(report.broken.iter().map(|of| (report.step, of.bond, of.cause)));
     }
     // Continues bitwise identically.
     let saved = run.save().unwrap();

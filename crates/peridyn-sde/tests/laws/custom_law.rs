@@ -1,9 +1,8 @@
 //! A law of a user's own: strings, which resist tension alone and never break.
 
 use peridyn_sde::{
-    Body, BondConfig, BondLaw, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence,
-    Loading, Mobility, Network, Nodes, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
-    VolumeCorrection,
+    Body, BondConfig, BondLaw, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Loading,
+    Mobility, Network, Nodes, Scheme, Simulation, SimulationConfig,
 };
 use sde_integrators::Noise;
 
@@ -35,13 +34,7 @@ impl BondLaw for Cord {
 fn net() -> Network<Cord, 1> {
     let nodes =
         Nodes::lattice(1.0, ([0.0], [5.0]), Condition::Bar { area: 1.0 }, |_| true).unwrap();
-    let config = BondConfig {
-        horizon: Horizon::of_shells(1, 1.0).unwrap(),
-        young_modulus: 2.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(1, 1.0).unwrap(), 2.0);
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let strengths = vec![1.0; bonds.len()];
     Network::new(nodes, bonds, Cord, strengths).unwrap()

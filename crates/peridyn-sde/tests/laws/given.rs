@@ -3,8 +3,8 @@
 use peridyn_sde::{
     BondConfig, BondOrder, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
     DisorderField, Dynamics, Error, FinalState, Horizon, Influence, Loading, Mobility, Nodes,
-    Notch, PathConfig, Procedure, Program, Scheme, SimulationConfig, Stiffness, Strain, Strength,
-    StudyLaw, SurfaceCorrection, VolumeCorrection,
+    Notch, PathConfig, Precision, Procedure, Program, Scheme, SimulationConfig, Stiffness, Strain,
+    Strength, StudyLaw, SurfaceCorrection, VolumeCorrection,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
@@ -93,6 +93,7 @@ impl Plate {
             bonds: &self.bonds,
             law: StudyLaw::BondBased,
             order: BondOrder::List,
+            precision: Precision::Double,
             strain: Strain::Finite,
             strength,
             stiffness,
@@ -110,7 +111,7 @@ impl Plate {
 
     fn run(&self, strength: Strength<'_>, stiffness: Stiffness<'_>) -> Result<CrackRun, Error> {
         let study = self.study(strength, stiffness);
-        study.run::<f64, 8>(REALISATION..REALISATION + 1, &[REALISATION])
+        study.run(REALISATION..REALISATION + 1, &[REALISATION])
     }
 
     pub(super) fn field(&self, mean: f64, number: u32) -> (DisorderField, Vec<f64>) {
@@ -132,8 +133,8 @@ fn a_study_on_a_lattice_has_the_cracks_of_one_in_a_list() {
     let strength = Strength::Field { field: &strength, value: BondValue::Mean };
     let in_list = CrackStudy { no_fail: &[0, 1], ..plate.study(strength, Stiffness::Uniform) };
     let on_lattice = CrackStudy { order: BondOrder::Lattice, ..in_list };
-    let list = in_list.run::<f64, 8>(0..3, &[1]).unwrap();
-    let lattice = on_lattice.run::<f64, 8>(0..3, &[1]).unwrap();
+    let list = in_list.run(0..3, &[1]).unwrap();
+    let lattice = on_lattice.run(0..3, &[1]).unwrap();
     assert_eq!(lattice.broken, list.broken);
     assert!(list.broken.iter().all(|&broken| broken > 20), "{:?}", list.broken);
     // Bonds that break in one step come in the order in which they are visited.
@@ -149,8 +150,24 @@ fn a_study_on_a_lattice_has_the_cracks_of_one_in_a_list() {
     }
     let (stiffness, _) = plate.field(1.0, 1);
     let stiffness = Stiffness::Field { field: &stiffness, value: BondValue::Mean };
-    let refused = CrackStudy { stiffness, ..on_lattice }.run::<f64, 8>(0..1, &[]);
+    let refused = CrackStudy { stiffness, ..on_lattice }.run(0..1, &[]);
     assert_eq!(refused.unwrap_err(), Error::UniformStiffness { law: "a lattice" });
+}
+
+/// Ranges that are no multiples of the lanes, run from the last to the first; a range that is there already is refused.
+#[test]
+fn ranges_that_run_apart_are_one_run() {
+    let plate = Plate::lattice();
+    let study = plate.study(Strength::Uniform(STRETCH), Stiffness::Uniform);
+    let whole = study.run(0..11, &[0, 9]).unwrap();
+    assert!(whole.broken.iter().all(|&broken| broken > 0), "{:?}", whole.broken);
+    let [last, middle, first] = [8..11, 4..8, 0..4].map(|range| study.run(range, &[0, 9]).unwrap());
+    let mut joined = first;
+    joined.append(middle.clone()).unwrap();
+    joined.append(last).unwrap();
+    assert_eq!(joined, whole);
+    assert_eq!(joined.append(middle), Err(Error::Doubled { realisation: 4 }));
+    assert_eq!(joined, whole);
 }
 
 #[test]
@@ -229,35 +246,4 @@ fn given_values_of_another_body_or_without_sign_are_refused() {
     for refused in run(&values) {
         assert!(matches!(refused, Error::Node { node: 7, .. }), "{refused}");
     }
-}
-
-/// Given by places and volumes, as a file of points gives them.
-#[test]
-fn points_that_stand_on_a_lattice_break_as_the_lattice_does() {
-    let lattice = Plate::lattice();
-    let nodes = &lattice.nodes;
-    let [places, volumes] = [
-        nodes.positions().iter().map(|x| format!("{},{}", x[0], x[1])).collect::<Vec<_>>(),
-        nodes.volumes().iter().map(f64::to_string).collect(),
-    ];
-    let number = |text: &str| text.parse::<f64>().unwrap();
-    let place = |text: &String| {
-        let (x, y) = text.split_once(',').unwrap();
-        [number(x), number(y)]
-    };
-    let read = Nodes::new(
-        places.iter().map(place).collect(),
-        volumes.iter().map(|text| number(text)).collect(),
-        1.0,
-        nodes.condition(),
-    );
-    let cloud = Plate::new(read.unwrap());
-    let run = |plate: &Plate| {
-        let field = plate.field(STRETCH, 0).0;
-        let strength = Strength::Field { field: &field, value: BondValue::Mean };
-        plate.run(strength, Stiffness::Uniform).unwrap()
-    };
-    let run_of_lattice = run(&lattice);
-    assert!(run_of_lattice.broken[0] > 10);
-    assert_eq!(run(&cloud), run_of_lattice);
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use peridyn_sde::{
     BondValue, CrackRun, CrackStudy, Dynamics, Error, GroupProgress, HaltedRun, Mobility,
-    Procedure, RunOutcome, Scheme, Stiffness, Strength, StudyLaw,
+    Precision, Procedure, RunOutcome, Scheme, Stiffness, Strength, StudyLaw,
 };
 
 use crate::given::{Plate, STRETCH};
@@ -20,8 +20,8 @@ fn in_pieces(study: &CrackStudy<'_>, asked: u64) -> (CrackRun, u64) {
         let count = AtomicU64::new(0);
         let goes_on = |_| count.fetch_add(1, Ordering::Relaxed) < asked;
         match halted {
-            None => study.run_while::<f64, 8>(0..N, &KEEP, &goes_on),
-            Some(halted) => study.resume_while::<f64, 8>(halted, &KEEP, &goes_on),
+            None => study.run_while(0..N, &KEEP, &goes_on),
+            Some(halted) => study.resume_while(halted, &KEEP, &goes_on),
         }
     };
     let mut ran = next(None).unwrap();
@@ -50,7 +50,7 @@ fn pieces_of_a_run_in_time_are_one_run() {
         let (strength, _) = plate.field(STRETCH, 0);
         let strength = Strength::Field { field: &strength, value: BondValue::Minimum };
         let study = plate.study(strength, Stiffness::Uniform);
-        let whole = study.run::<f64, 8>(0..N, &KEEP).unwrap();
+        let whole = study.run(0..N, &KEEP).unwrap();
         assert!(whole.broken.iter().any(|&broken| broken > 0), "{:?}", whole.broken);
         for asked in [7, 40] {
             let (run, n_halts) = in_pieces(&study, asked);
@@ -66,12 +66,11 @@ fn realisations_under_a_slow_load_start_again_but_those_that_ended_do_not() {
     let (loading, _) = loading(&plate);
     let inputs = (Strength::Uniform(STRETCH), Stiffness::Uniform);
     let study = slow(&plate, &loading, StudyLaw::BondBased, inputs);
-    let RunOutcome::Finished(whole) = study.run_while::<f64, 8>(0..3, &KEEP, &|_| true).unwrap()
-    else {
+    let RunOutcome::Finished(whole) = study.run_while(0..3, &KEEP, &|_| true).unwrap() else {
         panic!("a run that nobody halts ends")
     };
     let RunOutcome::Halted(halted) =
-        study.run_while::<f64, 8>(0..3, &KEEP, &|it| it.realisation < 1).unwrap()
+        study.run_while(0..3, &KEEP, &|it| it.realisation < 1).unwrap()
     else {
         panic!("a run that is halted ended")
     };
@@ -80,8 +79,7 @@ fn realisations_under_a_slow_load_start_again_but_those_that_ended_do_not() {
         assert!(it.realisation >= 1 && it.done.is_none());
         true
     };
-    let RunOutcome::Finished(run) = study.resume_while::<f64, 8>(halted, &KEEP, &asked).unwrap()
-    else {
+    let RunOutcome::Finished(run) = study.resume_while(halted, &KEEP, &asked).unwrap() else {
         panic!("a run that nobody halts ends")
     };
     assert_eq!(run, whole);
@@ -93,15 +91,16 @@ fn the_state_of_another_study_is_refused() {
     let study = plate.study(Strength::Uniform(STRETCH), Stiffness::Uniform);
     let count = AtomicU64::new(0);
     let goes_on = |_| count.fetch_add(1, Ordering::Relaxed) < 5;
-    let RunOutcome::Halted(halted) = study.run_while::<f64, 8>(0..8, &[], &goes_on).unwrap() else {
+    let RunOutcome::Halted(halted) = study.run_while(0..8, &[], &goes_on).unwrap() else {
         panic!("a run that is halted ended")
     };
-    let error = study.resume_while::<f64, 16>(halted.clone(), &[], &|_| true).unwrap_err();
+    let single = CrackStudy { precision: Precision::Single, ..study };
+    let error = single.resume_while(halted.clone(), &[], &|_| true).unwrap_err();
     let lanes = Error::Length { name: "lanes of a halted run", value: 8, expected: 16 };
     assert_eq!(error, lanes);
     let Procedure::Dynamic { simulation, .. } = study.procedure else { panic!("a run in time") };
     let shorter = Procedure::Dynamic { simulation, n_steps: 10 };
     let shorter = CrackStudy { procedure: shorter, ..study };
-    let error = shorter.resume_while::<f64, 8>(halted, &[], &|_| true).unwrap_err();
+    let error = shorter.resume_while(halted, &[], &|_| true).unwrap_err();
     assert!(matches!(error, Error::SavedStep { limit: 10, .. }), "{error}");
 }

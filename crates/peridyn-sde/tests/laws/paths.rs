@@ -1,8 +1,8 @@
 //! Paths of cracks that are known: bonds across a line are broken, and more at random.
 
 use peridyn_sde::{
-    BondConfig, Bonds, Condition, CrackPath, Error, Fractured, Horizon, Influence, Nodes, Notch,
-    PathConfig, SurfaceCorrection, VolumeCorrection, crack_path,
+    BondConfig, Bonds, Condition, CrackPath, Error, Fractured, Horizon, Nodes, Notch, PathConfig,
+    crack_path,
 };
 use sde_integrators::{Noise, Purpose};
 
@@ -30,13 +30,7 @@ impl Plate {
             .map(|x| x.map(|c| c + dx * shaken * (2.0 * stream.next_uniform() - 1.0)))
             .collect();
         let nodes = Nodes::new(places, lattice.volumes().to_vec(), dx, condition).unwrap();
-        let config = BondConfig {
-            horizon: Horizon::of_shells(shells, dx).unwrap(),
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(shells, dx).unwrap(), 1.0);
         let bonds = Bonds::new(&nodes, &config).unwrap();
         let cut = bonds.across_segment(&nodes, (NOTCH.mouth, NOTCH.tip)).unwrap();
         let mut broken = vec![false; bonds.len()];
@@ -120,9 +114,6 @@ fn the_angle_of_an_oblique_crack_is_found_within_a_degree() {
             let fit = path.angle_of_fit(NOTCH.direction().unwrap()).unwrap();
             let label = format!("{shells} shells, {angle}");
             assert!((fit - angle).abs() < 1_f64.to_radians(), "{label}: {fit}");
-            // The chord hangs on the tip alone, a spacing off in 25.
-            let chord = path.chord_angle(NOTCH.direction().unwrap()).unwrap();
-            assert!((chord - angle).abs() < 2.5_f64.to_radians(), "{label}: {chord}");
             assert!(apart(path.tip(), ray(angle, 25.0 * dx)) < 2.0 * dx, "{label}");
             assert!(path.branches().is_empty(), "{label}");
             for point in path.points() {
@@ -230,9 +221,9 @@ fn flags_and_limits_that_cannot_be_are_refused() {
     let strange = Fractured { cut: &[bonds.len()], ..body };
     assert!(matches!(crack_path(&strange, &NOTCH, &config), Err(Error::Length { .. })));
     let all = PathConfig { damage: 1.0, ..config };
-    assert!(matches!(crack_path(&body, &NOTCH, &all), Err(Error::OutOfRange { .. })));
+    assert!(matches!(crack_path(&body, &NOTCH, &all), Err(Error::Parameter { .. })));
     let none = PathConfig { least_length: 0.0, ..config };
-    assert!(matches!(crack_path(&body, &NOTCH, &none), Err(Error::NotPositive { .. })));
+    assert!(matches!(crack_path(&body, &NOTCH, &none), Err(Error::Parameter { .. })));
     let point = Notch { mouth: TIP, tip: TIP };
-    assert!(matches!(crack_path(&body, &point, &config), Err(Error::NotPositive { .. })));
+    assert!(matches!(crack_path(&body, &point, &config), Err(Error::Parameter { .. })));
 }

@@ -2,21 +2,14 @@
 
 use peridyn_sde::law::{Bilinear, CriticalStretch, Memory};
 use peridyn_sde::{
-    BondConfig, BondList, Bonds, Breakage, Condition, EquilibriumConfig, Error, Horizon, Influence,
-    LatticeBody, Loading, Network, NextBreakage, Nodes, Program, QuasiStatic, Strain,
-    SurfaceCorrection, VolumeCorrection, envelope,
+    BondConfig, BondList, Bonds, Breakage, Condition, EquilibriumConfig, Error, Horizon,
+    LatticeBody, Loading, Network, NextBreakage, Nodes, Program, QuasiStatic, Strain, envelope,
 };
 
 const CONFIG: EquilibriumConfig = EquilibriumConfig::EVENT_BY_EVENT;
 
 fn config(shells: u32) -> BondConfig {
-    BondConfig {
-        horizon: Horizon::of_shells(shells, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    }
+    BondConfig::uncorrected(Horizon::of_shells(shells, 1.0).unwrap(), 1.0)
 }
 
 /// A chain of springs, held at its left end and moved at its right one by the load.
@@ -45,29 +38,17 @@ fn plate(n: usize) -> (Nodes<2>, Bonds, Vec<f64>, Loading<2>) {
     (nodes, bonds, strengths, loading)
 }
 
-type Plate = QuasiStatic<BondList<f64, 2, 1>, 2>;
+type Plate = QuasiStatic<2>;
 
-fn notched(n: usize, strain: Strain, config: EquilibriumConfig) -> Plate {
+fn notched(n: usize) -> Plate {
     let (nodes, bonds, strengths, loading) = plate(n);
     let (mouth, tip) = ([0.0, 0.5 * n as f64], [0.3 * n as f64, 0.5 * n as f64]);
     let notch = bonds.across_segment(&nodes, (mouth, tip)).unwrap();
-    let mut body = BondList::<f64, 2, 1>::new(nodes, bonds, strain, &strengths).unwrap();
+    let mut body = BondList::<f64, 2, 1>::new(nodes, bonds, Strain::Linear, &strengths).unwrap();
     for bond in notch {
         peridyn_sde::Body::set_intact(&mut body, bond, 0);
     }
-    QuasiStatic::new(body, loading, config).unwrap()
-}
-
-/// All breakages up to separation.
-fn to_separation(run: &mut Plate) -> Vec<Breakage> {
-    let mut found = Vec::new();
-    loop {
-        match run.next_breakage().unwrap() {
-            NextBreakage::At(breakage) => found.push(breakage),
-            NextBreakage::Separated => return found,
-            NextBreakage::Never => panic!("the plate still holds, but no bond is stretched"),
-        }
-    }
+    QuasiStatic::new(body, loading, CONFIG).unwrap()
 }
 
 #[test]
@@ -89,52 +70,24 @@ fn a_chain_breaks_at_its_weakest_bond_at_the_exact_load() {
     assert_eq!(run.next_breakage().unwrap(), NextBreakage::Separated);
 }
 
+/// A crack through the plate, of 10 columns of 14 bonds or so, with snap-backs on the way.
 #[test]
-fn displacements_of_a_bar_under_its_weight_are_those_of_a_tridiagonal_system() {
-    let (nodes, bonds, _) = chain(30);
-    let stiffness = bonds.all()[0].stiffness;
-    let loading = Loading::new(30).hold(&[0]).unwrap();
-    let all: Vec<usize> = (1..30).collect();
-    let loading = loading.force(&all, &[[1e-3]; 29], Program::Linear { rate: stiffness }).unwrap();
-    let strengths = vec![1.0; bonds.len()];
-    let body = BondList::<f64, 1, 1>::new(nodes, bonds, Strain::Linear, &strengths);
-    let mut run = QuasiStatic::new(body.unwrap(), loading, CONFIG).unwrap();
-    let step = run.step_to(1.0).unwrap();
-    assert!(step.bonds.is_empty() && step.solved.residual <= 1e-8, "{step:?}");
-    // Bond m carries the weight of the 30 - m nodes beyond.
-    let mut exact = 0.0;
-    for (node, u) in run.displacements().iter().enumerate().skip(1) {
-        exact += 1e-3 * (30 - node) as f64;
-        assert!((u[0] / exact - 1.0).abs() < 1e-6, "{node}: {} {exact}", u[0]);
+fn a_crack_grows_through_the_plate_and_snaps_back_on_its_way() {
+    let mut run = notched(14);
+    let mut events = Vec::new();
+    while let NextBreakage::At(event) = run.next_breakage().unwrap() {
+        events.push(event);
     }
-}
-
-#[test]
-fn event_by_event_and_by_small_steps_the_same_bonds_break_in_the_same_order() {
-    let mut run = notched(14, Strain::Linear, CONFIG);
-    let events = to_separation(&mut run);
-    let order: Vec<usize> = events.iter().flat_map(|event| event.bonds.clone()).collect();
-    // A crack through the plate: 10 columns of 14 bonds or so, and snap-backs on the way.
-    assert!(order.len() > 100, "{}", order.len());
+    assert!(events.len() > 100, "{}", events.len());
     let outer = envelope(&events);
     assert!(!outer.is_empty() && outer.len() + 100 < events.len(), "{outer:?}");
-    let peak = outer.iter().map(|&at| events[at].factor).fold(0.0, f64::max);
-    let mut run = notched(14, Strain::Linear, CONFIG);
-    let mut broken = Vec::new();
-    for step in 1..=400_u32 {
-        let report = run.step_to(peak * 1.0025 * f64::from(step) / 400.0).unwrap();
-        broken.extend(report.bonds);
-        if report.is_separated {
-            break;
-        }
-    }
-    assert_eq!(broken, order);
+    assert_eq!(run.next_breakage().unwrap(), NextBreakage::Separated);
 }
 
 #[test]
 fn work_is_stored_or_released() {
     let n = 14;
-    let mut run = notched(n, Strain::Linear, CONFIG);
+    let mut run = notched(n);
     let (nodes, ..) = plate(n);
     let edge: Vec<usize> = (0..n * n).filter(|&i| i < 2 * n || i >= n * (n - 2)).collect();
     let (mut work, mut released, mut before, mut slope) = (0.0, 0.0, 0.0, None);
@@ -155,26 +108,9 @@ fn work_is_stored_or_released() {
     assert!(released > 0.1 * work, "{released} {work}");
 }
 
-#[test]
-fn at_finite_strains_forces_balance_and_displacements_differ_by_about_the_strain() {
-    let moved = |strain| {
-        let mut run = notched(14, strain, CONFIG);
-        let step = run.step_to(5e-5).unwrap();
-        assert!(step.bonds.is_empty() && step.solved.residual <= 1e-8);
-        run.displacements()
-    };
-    let (finite, linear) = (moved(Strain::Finite), moved(Strain::Linear));
-    let largest = finite.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs()));
-    let mut apart = 0.0_f64;
-    for (a, b) in finite.iter().flatten().zip(linear.iter().flatten()) {
-        apart = apart.max((a - b).abs() / largest);
-    }
-    assert!(apart > 1e-7 && apart < 1e-3, "{apart}");
-}
-
 /// The first breakages of a body with a notch.
-fn events<B: peridyn_sde::Body<f64, 2, 1>>(
-    mut body: B,
+fn events(
+    mut body: impl peridyn_sde::Body<f64, 2, 1> + 'static,
     notch: &[usize],
     loading: Loading<2>,
 ) -> Vec<Breakage> {
@@ -252,44 +188,19 @@ fn a_softening_bond_follows_its_law_and_releases_its_energy() {
 }
 
 #[test]
-fn a_step_finds_the_equilibrium_of_softening_bonds() {
-    let (nodes, bonds, loading) = chain(5);
-    let stiffness = bonds.all()[0].stiffness;
-    let law = Bilinear::new(8.0).unwrap();
-    let body = Network::new(nodes, bonds, law, vec![2e-3, 1e-3, 2e-3, 2e-3]).unwrap();
-    let config = EquilibriumConfig { tooth: 0.01, ..CONFIG };
-    let mut run = QuasiStatic::new(body, loading, config).unwrap();
-    for step in 1..=20_u32 {
-        let extension = 4.5e-3 * f64::from(step) / 20.0;
-        let report = run.step_to(extension).unwrap();
-        assert!(!report.is_separated);
-        // Series of three springs and one that softens: F = k s below 1e-3, k (8e-3 - s)/7 beyond.
-        let stretch =
-            if extension <= 4e-3 { extension / 4.0 } else { (7.0 * extension - 24e-3) / 4.0 };
-        let exact = if extension <= 4e-3 { stretch } else { (8e-3 - stretch) / 7.0 };
-        let force = run.pull_on(&[0])[0] / stiffness;
-        // A largest stretch that is off by the tooth changes the secant by 1.31 of it, and the force in this bar by 1/(1 - 3/7)
-        // of that.
-        assert!((force / exact - 1.0).abs() < 2.3 * 0.01, "{extension}: {force} {exact}");
-    }
-}
-
-#[test]
 fn a_loaded_part_that_comes_loose_ends_the_run_and_one_that_never_was_held_is_refused() {
     let (nodes, bonds, _) = chain(6);
     let strengths = vec![1e-3; bonds.len()];
     let body = Network::new(nodes, bonds, CriticalStretch, strengths).unwrap();
     let program = Program::Linear { rate: 1.0 };
     let held = Loading::new(6).hold(&[0]).unwrap();
-    let hung = held.force(&[5], &[[1.0]], program.clone()).unwrap();
-    let mut run = QuasiStatic::new(body.clone(), hung.clone(), CONFIG).unwrap();
+    let hung = held.force(&[5], &[[1.0]], program).unwrap();
+    let mut run = QuasiStatic::new(body.clone(), hung, CONFIG).unwrap();
     assert_eq!(run.next_breakage().unwrap(), NextBreakage::Separated);
     assert!((run.load() / (body.bonds().all()[0].stiffness * 1e-3) - 1.0).abs() < 1e-6);
-    let mut run = QuasiStatic::new(body.clone(), hung, CONFIG).unwrap();
-    assert!(run.step_to(2e-3).unwrap().is_separated);
     let free = Loading::new(6).force(&[5], &[[1.0]], program).unwrap();
     let mut run = QuasiStatic::new(body, free, CONFIG).unwrap();
-    assert_eq!(run.next_breakage().unwrap_err(), Error::SingularStiffness { load: 1.0 });
+    assert_eq!(run.next_breakage().unwrap_err(), Error::SingularStiffness);
 }
 
 #[test]
@@ -303,7 +214,7 @@ fn what_cannot_be_is_refused() {
     assert_eq!(error.to_string(), "batch of bonds is 1; it must lie between 0 and 1");
     assert!(matches!(
         refused(EquilibriumConfig { tolerance: 0.0, ..CONFIG }),
-        Error::NotPositive { .. }
+        Error::Parameter { .. }
     ));
     assert!(matches!(
         refused(EquilibriumConfig { most_iterations: 0, ..CONFIG }),
@@ -311,7 +222,7 @@ fn what_cannot_be_is_refused() {
     ));
     assert!(matches!(
         refused(EquilibriumConfig { tooth: f64::NAN, ..CONFIG }),
-        Error::NotPositive { .. }
+        Error::Parameter { .. }
     ));
     let all: Vec<usize> = (0..6).collect();
     let fixed = Loading::new(6).hold(&all).unwrap();
@@ -319,9 +230,8 @@ fn what_cannot_be_is_refused() {
     assert_eq!(error, Error::NoFreeNode { n_nodes: 6 });
     let ramp = Program::Ramp { rate: 1.0, until: 2.0 };
     let ramped = Loading::new(6).hold(&[0]).unwrap().displace(&[5], [true], [1.0], ramp).unwrap();
-    let mut run = QuasiStatic::new(body(), ramped, CONFIG).unwrap();
-    assert_eq!(run.next_breakage().unwrap_err(), Error::NotProportional);
-    assert!(matches!(run.step_to(f64::NAN), Err(Error::NotFinite { .. })));
+    let error = QuasiStatic::new(body(), ramped, CONFIG).unwrap_err();
+    assert_eq!(error, Error::NotProportional);
     let memory = Memory::new(1.0, 1.0, (1.0, 1.0), 0.5).unwrap();
     let wears = Network::new(nodes.clone(), bonds.clone(), memory, strengths.clone()).unwrap();
     let error = QuasiStatic::new(wears, loading.clone(), CONFIG).unwrap_err();
@@ -330,5 +240,6 @@ fn what_cannot_be_is_refused() {
     let (nodes, bonds, strengths, loading) = plate(20);
     let list = BondList::<f64, 2, 1>::new(nodes, bonds, Strain::Linear, &strengths).unwrap();
     let mut run = QuasiStatic::new(list, loading, short).unwrap();
-    assert!(matches!(run.step_to(1e-6), Err(Error::NotInEquilibrium { iterations: 1, .. })));
+    let error = run.next_breakage().unwrap_err();
+    assert!(matches!(error, Error::NotInEquilibrium { iterations: 1, .. }), "{error}");
 }

@@ -1,13 +1,13 @@
 //! Failure of the linear peridynamic solid: the work of a crack, bonds that break over time, and what is refused.
 
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, Breaking, Cause, Condition, Dynamics, Error, Horizon, Influence,
-    Loading, Mobility, Nodes, Scheme, Simulation, SimulationConfig, SolidBonds, SolidList, Strain,
+    AtStrength, Body, BondConfig, BondList, Breaking, Cause, Condition, Dynamics, Error, Horizon,
+    Influence, Loading, Mobility, Nodes, Scheme, Simulation, SimulationConfig, SolidBonds, Strain,
     VolumeCorrection, critical_stretch, critical_stretch_of_solid,
 };
 use sde_integrators::Noise;
 
-use super::solid::{One, PLANE_STRESS, config, cube, one};
+use super::solid::{PLANE_STRESS, config, cube, one};
 
 const PLANE_STRAIN: Condition = Condition::PlaneStrain { thickness: 0.5 };
 
@@ -99,7 +99,7 @@ fn the_critical_stretch_is_that_of_bonds_at_their_poissons_ratio() {
 }
 
 /// A plate in noise, held at its left edge, by a scheme.
-fn in_noise(scheme: Scheme, breaking: Breaking) -> Result<Simulation<f64, One<2>, 2, 1>, Error> {
+fn in_noise(scheme: Scheme, breaking: Breaking) -> Result<Simulation<f64, 2, 1>, Error> {
     let nodes = cube::<2>(7.0, PLANE_STRESS);
     let solid = SolidBonds::new(&nodes, &config(3), 0.2)?;
     let held: Vec<usize> = (0..49).filter(|node| node % 7 == 0).collect();
@@ -142,13 +142,13 @@ fn what_cannot_be_is_refused_with_its_value() {
     let nodes = cube::<2>(4.0, PLANE_STRESS);
     for nu in [-1.0, 0.5, f64::NAN] {
         let refused = SolidBonds::new(&nodes, &config(2), nu).unwrap_err();
-        assert!(matches!(refused, Error::OutOfRange { name: "Poisson's ratio", .. }), "{refused}");
+        assert!(matches!(refused, Error::Parameter { name: "Poisson's ratio", .. }), "{refused}");
     }
     let solid = SolidBonds::new(&nodes, &config(2), 0.2).unwrap();
-    let new = |strengths| {
-        SolidList::<f64, 2, 1>::new(nodes.clone(), solid.clone(), Strain::Finite, &[strengths])
+    let new = |strengths: Vec<f64>| {
+        BondList::<f64, 2, 1>::of_solid(nodes.clone(), solid.clone(), Strain::Finite, &strengths)
     };
     let n = solid.bonds().len();
     assert!(matches!(new(vec![0.1; n + 1]), Err(Error::Length { .. })));
-    assert!(matches!(new(vec![-0.1; n]), Err(Error::NotPositive { .. })));
+    assert!(matches!(new(vec![-0.1; n]), Err(Error::Parameter { .. })));
 }

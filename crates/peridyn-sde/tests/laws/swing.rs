@@ -1,9 +1,8 @@
 //! Steps that are stable at rest and too long for a body that is stretched.
 
 use peridyn_sde::{
-    BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Influence, Loading,
-    Mobility, Nodes, Program, Real, Scheme, Simulation, SimulationConfig, Strain,
-    SurfaceCorrection, VolumeCorrection,
+    BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Loading, Mobility,
+    Nodes, Program, Real, Scheme, Simulation, SimulationConfig, Strain,
 };
 use sde_integrators::Noise;
 
@@ -13,13 +12,7 @@ const STRENGTH: f64 = 1e6;
 fn plate() -> (Nodes<2>, Bonds, Vec<bool>) {
     let plane = Condition::PlaneStress { thickness: 1.0 };
     let nodes = Nodes::lattice(1.0, ([0.0; 2], [SIDE as f64; 2]), plane, |_| true).unwrap();
-    let config = BondConfig {
-        horizon: Horizon::of_shells(2, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(2, 1.0).unwrap(), 1.0);
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let inside = |x: &[f64; 2]| x.iter().all(|&c| c > 2.0 && c < SIDE as f64 - 2.0);
     let free = nodes.positions().iter().map(inside).collect();

@@ -1,9 +1,8 @@
 //! Strengths by volume: the strength of a body does not depend on its mesh.
 
 use peridyn_sde::{
-    BondConfig, Bonds, Condition, Error, Horizon, Influence, Nodes, Stiffness, Strength,
-    StrengthElement, SurfaceCorrection, VolumeCorrection, WeibullByVolume, WeibullStrength,
-    merge_shards,
+    BondConfig, Bonds, Condition, Error, Horizon, Nodes, Requirement, Stiffness, Strength,
+    StrengthElement, WeibullByVolume, WeibullStrength,
 };
 use sde_integrators::Noise;
 
@@ -23,13 +22,7 @@ fn bar(n: u32, shells: u32) -> (Nodes<1>, Bonds) {
     let spacing = LENGTH / f64::from(n);
     let condition = Condition::Bar { area: AREA };
     let nodes = Nodes::lattice(spacing, ([0.0], [LENGTH]), condition, |_| true).unwrap();
-    let config = BondConfig {
-        horizon: Horizon::of_shells(shells, spacing).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(Horizon::of_shells(shells, spacing).unwrap(), 1.0);
     let bonds = Bonds::new(&nodes, &config).unwrap();
     (nodes, bonds)
 }
@@ -126,12 +119,13 @@ fn ensemble_with_strengths_by_volume_is_one_in_shards_and_beside_other_lanes() {
     };
     let weibull = WeibullStrength::new(nodes, bonds, law, 0).unwrap();
     let study = plate.study(Strength::Weibull(&weibull), Stiffness::Uniform);
-    let whole = study.run::<f64, 8>(0..11, &[2]).unwrap();
+    let whole = study.run(0..11, &[2]).unwrap();
     assert!(whole.broken.iter().all(|&broken| broken > 0), "{:?}", whole.broken);
     assert!(whole.broken.iter().any(|&broken| broken != whole.broken[0]), "{:?}", whole.broken);
-    let shards = [1, 0].map(|k| study.shard::<f64, 8>(11, (k, 2), &[2]).unwrap()).to_vec();
-    assert!(merge_shards(shards).unwrap() == whole);
-    let alone = study.run::<f64, 8>(2..3, &[2]).unwrap();
+    let [later, mut joined] = [6..11, 0..6].map(|range| study.run(range, &[2]).unwrap());
+    joined.append(later).unwrap();
+    assert!(joined == whole);
+    let alone = study.run(2..3, &[2]).unwrap();
     assert!(alone.records[0] == whole.records[2] && alone.kept == whole.kept);
     let kept = whole.kept[0].strength.as_ref().unwrap();
     assert_eq!(kept.len(), nodes.positions().len());
@@ -142,17 +136,18 @@ fn law_that_cannot_be_is_refused_with_its_value() {
     let (nodes, bonds) = bar(20, 1);
     let refused = |law: WeibullByVolume| WeibullStrength::new(&nodes, &bonds, law, 0).unwrap_err();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        let not = |error: Error| matches!(error, Error::NotPositive { .. });
+        let not = |error: Error| matches!(error, Error::Parameter { .. });
         assert!(not(refused(WeibullByVolume { scale: bad, ..LAW })), "{bad}");
         assert!(not(refused(WeibullByVolume { reference_volume: bad, ..LAW })), "{bad}");
         let element = StrengthElement::Block { size: bad };
         assert!(not(refused(WeibullByVolume { element, ..LAW })), "{bad}");
         let modulus = refused(WeibullByVolume { modulus: bad, ..LAW });
-        assert!(matches!(modulus, Error::OutOfRange { .. }), "{bad}");
+        assert!(matches!(modulus, Error::Parameter { .. }), "{bad}");
     }
     let element = StrengthElement::Block { size: 1e-9 };
     let blocks = refused(WeibullByVolume { element, ..LAW });
-    assert!(matches!(blocks, Error::OutOfRange { to: 16_777_216.0, .. }), "{blocks}");
+    let must = Requirement::Between { from: 0.0, to: 16_777_216.0 };
+    assert!(matches!(blocks, Error::Parameter { must: of, .. } if of == must), "{blocks}");
     let strength = WeibullStrength::new(&nodes, &bonds, LAW, 0).unwrap();
     let short = strength.sample(&Noise::new(1), 0, &mut [0.0; 3]).unwrap_err();
     assert!(matches!(short, Error::Length { value: 3, expected: 19, .. }), "{short}");

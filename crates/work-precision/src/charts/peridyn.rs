@@ -1,7 +1,9 @@
 //! Error against cost for the schemes of peridyn-sde: stationary distribution, bond failure rate, crack paths.
 
 use peridyn_sde::statistics::Bootstrap;
-use peridyn_sde::{Breaking, Dynamics, Mobility, Real, Scheme, Simulation, SimulationConfig};
+use peridyn_sde::{
+    Breaking, Dynamics, Mobility, Precision, Real, Scheme, Simulation, SimulationConfig,
+};
 use rayon::ThreadPoolBuilder;
 use result_figures::{Drawing, Measure, Measured, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::machine::Machine;
@@ -241,16 +243,18 @@ fn paths(context: &Context<'_>, share: f64) -> Result<Drawing, CaseError> {
     let of = |z: f64| format!("z = {z}");
     let in_f32 = |scheme, z| {
         priced(of(z), || {
-            spread(&plate(scheme, z).cracks::<f32, 16>(realisations, 7)?.heights(0.65))
+            spread(&plate(scheme, z).cracks(Precision::Single, realisations, 7)?.heights(0.65))
         })
     };
     let in_f64 = |scheme, z| {
-        priced(of(z), || spread(&plate(scheme, z).cracks::<f64, 8>(realisations, 7)?.heights(0.65)))
+        priced(of(z), || {
+            spread(&plate(scheme, z).cracks(Precision::Double, realisations, 7)?.heights(0.65))
+        })
     };
     context.progress("reference of paths");
     // Independent noise, with more realisations.
     let reference =
-        plate(Scheme::LeimkuhlerMatthews, 0.45).cracks::<f32, 16>(4 * realisations, 8)?;
+        plate(Scheme::LeimkuhlerMatthews, 0.45).cracks(Precision::Single, 4 * realisations, 8)?;
     let exact = spread(&reference.heights(0.65))?;
     let line = |name: &str, scheme, steps: &[f64], runs: &Runs<'_>| {
         series(context, name, scheme, steps, exact.value, runs)

@@ -150,10 +150,14 @@ impl<const D: usize> Network<D> {
         dynamics: Dynamics,
         dt: f64,
         noise: Noise,
-    ) -> Result<Simulation<f64, BondList<f64, D, 1>, D, 1>, Error> {
+    ) -> Result<Simulation<f64, D, 1>, Error> {
         let strengths = vec![1e6; self.bonds.len()];
-        let body =
-            BondList::new(self.nodes.clone(), self.bonds.clone(), Strain::Linear, &strengths)?;
+        let body = BondList::<f64, D, 1>::new(
+            self.nodes.clone(),
+            self.bonds.clone(),
+            Strain::Linear,
+            &strengths,
+        )?;
         let (breaking, confinement) = (Breaking::AtEnds, self.confinement);
         let config = SimulationConfig { dynamics, dt, breaking, confinement, noise };
         let mut run = Simulation::new(body, self.loading()?, config, [0])?;

@@ -110,7 +110,7 @@ pub struct Followed {
 ///
 /// # Errors
 /// Those of the run; where a bond breaks.
-pub fn sampled<L: BondLaw + Clone + Send, const K: usize>(
+pub fn sampled<L: BondLaw + Clone + Send + 'static, const K: usize>(
     (law, strength): (&L, f64),
     dynamics: &Dynamics,
     followed: Followed,

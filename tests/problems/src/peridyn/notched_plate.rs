@@ -7,9 +7,9 @@ use peridyn_sde::statistics::CrackEnsemble;
 use peridyn_sde::{
     BondConfig, BondList, BondOrder, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
     DisorderField, Dynamics, Error, Horizon, Influence, Loading, Mobility, Nodes, Notch,
-    PathConfig, Procedure, Program, Real, Scheme, Simulation, SimulationConfig, Stiffness, Strain,
-    Strength, StrengthElement, StudyLaw, SurfaceCorrection, VolumeCorrection, WeibullByVolume,
-    WeibullStrength, critical_stretch, merge_shards,
+    PathConfig, Precision, Procedure, Program, Scheme, Simulation, SimulationConfig, Stiffness,
+    Strain, Strength, StrengthElement, StudyLaw, SurfaceCorrection, VolumeCorrection,
+    WeibullByVolume, WeibullStrength, critical_stretch,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
@@ -131,50 +131,36 @@ impl NotchedPlate {
         f64::from(self.rows).recip()
     }
 
-    /// The cracks of realisations from 0 on, `L` side by side.
+    /// The cracks of realisations from 0 on.
     ///
     /// # Errors
     /// Those of [`CrackStudy::run`].
-    pub fn cracks<T: Real, const L: usize>(
+    pub fn cracks(
         &self,
+        precision: Precision,
         realisations: u64,
         seed: u64,
     ) -> Result<CrackEnsemble, CaseError> {
-        let run = self.run::<T, L>(0..realisations, seed)?;
+        let run = self.run(precision, 0..realisations, seed)?;
         Ok(CrackEnsemble::new(realisations, run.records)?)
     }
 
-    /// What becomes of some realisations, `L` side by side.
+    /// What becomes of some realisations.
     ///
     /// # Errors
     /// Those of [`CrackStudy::run`].
-    pub fn run<T: Real, const L: usize>(
+    pub fn run(
         &self,
+        precision: Precision,
         realisations: std::ops::Range<u64>,
         seed: u64,
     ) -> Result<CrackRun, CaseError> {
-        self.study(seed, |study| study.run::<T, L>(realisations, &[]))
-    }
-
-    /// The same of realisations from 0 on, in shards that are joined from the last to the first.
-    ///
-    /// # Errors
-    /// Those of [`CrackStudy::shard`] and [`merge_shards`].
-    pub fn run_in_shards<T: Real, const L: usize>(
-        &self,
-        realisations: u64,
-        n_shards: u64,
-        seed: u64,
-    ) -> Result<CrackRun, CaseError> {
-        self.study(seed, |study| {
-            let shard = |at| study.shard::<T, L>(realisations, (at, n_shards), &[]);
-            merge_shards((0..n_shards).rev().map(shard).collect::<Result<_, _>>()?)
-        })
+        self.study((precision, seed), |study| study.run(realisations, &[]))
     }
 
     fn study<R>(
         &self,
-        seed: u64,
+        (precision, seed): (Precision, u64),
         run: impl FnOnce(&CrackStudy<'_>) -> Result<R, Error>,
     ) -> Result<R, CaseError> {
         let ready = self.ready(Noise::new(seed))?;
@@ -200,6 +186,7 @@ impl NotchedPlate {
             bonds: &ready.bonds,
             law: StudyLaw::BondBased,
             order: BondOrder::List,
+            precision,
             strain: Strain::Finite,
             strength: match (&strengths, &weibull) {
                 (Some(field), _) => Strength::Field { field, value: BondValue::Mean },

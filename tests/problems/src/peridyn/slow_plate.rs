@@ -97,10 +97,7 @@ impl SlowPlate {
     ///
     /// # Errors
     /// Those of [`QuasiStatic::new`].
-    pub fn quasi_static(
-        &self,
-        config: EquilibriumConfig,
-    ) -> Result<QuasiStatic<LatticeBody<f64, 2>, 2>, Error> {
+    pub fn quasi_static(&self, config: EquilibriumConfig) -> Result<QuasiStatic<2>, Error> {
         let mut body = self.body()?;
         for &bond in &self.cut {
             body.set_intact(bond, 0);
@@ -164,11 +161,7 @@ impl SlowPlate {
         Ok(found)
     }
 
-    fn simulation(
-        &self,
-        dt: f64,
-        rate: f64,
-    ) -> Result<Simulation<f64, LatticeBody<f64, 2>, 2, 1>, Error> {
+    fn simulation(&self, dt: f64, rate: f64) -> Result<Simulation<f64, 2, 1>, Error> {
         let mut free = vec![true; self.nodes.positions().len()];
         for &node in self.edges.iter().flatten() {
             free[node] = false;

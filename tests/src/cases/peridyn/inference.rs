@@ -4,6 +4,7 @@ use crack_inference::{
     Emulator, EmulatorMixture, Observations, Parameter, ParameterPosterior, ParameterSpace,
     Posterior, Prior, SamplerConfig, Scale, Summaries, Verdict,
 };
+use peridyn_sde::Precision;
 use peridyn_sde::statistics::{LoadSummary, SummaryConfig};
 use reference_problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 use result_figures::Measured;
@@ -108,7 +109,11 @@ fn simulated(context: &Context<'_>) -> Result<Simulated, CaseError> {
         context.progress(&format!("ensemble {} of {DESIGN}", number + 1));
         // Ensembles of their own noise: realisations are numbered on.
         let first = REALISATIONS * number as u64;
-        runs.push(plates(ROWS.0, point).run::<f32, 16>(first..first + REALISATIONS, SEED)?);
+        runs.push(plates(ROWS.0, point).run(
+            Precision::Single,
+            first..first + REALISATIONS,
+            SEED,
+        )?);
     }
     Ok(Simulated { space, points, runs })
 }
@@ -125,7 +130,7 @@ fn truths(context: &Context<'_>, space: &ParameterSpace) -> Result<Vec<Truth>, C
         let point: Vec<f64> = space.parameters().iter().map(uniform).collect();
         let first = PLATES * number;
         // Another seed than that of the ensembles.
-        let run = plates(ROWS.1, &point).run::<f32, 16>(first..first + PLATES, SEED + 1)?;
+        let run = plates(ROWS.1, &point).run(Precision::Single, first..first + PLATES, SEED + 1)?;
         truths.push(Truth { point, run });
     }
     Ok(truths)

@@ -1,5 +1,6 @@
 //! Whether the scatter of cracks is that of the material or of the lattice: one horizon, other spacings, rotated lattices.
 
+use peridyn_sde::Precision;
 use peridyn_sde::statistics::{Bootstrap, Interval};
 use reference_problems::peridyn::notched_plate::{
     CORRELATION, Cause, NOTCH, NotchedPlate, StrengthLaw, Varies, three_shells,
@@ -94,7 +95,7 @@ impl Scatter {
             rotation,
             tip: NOTCH,
         };
-        let cracks = plate.cracks::<f32, 16>(realisations, SEED)?;
+        let cracks = plate.cracks(Precision::Single, realisations, SEED)?;
         let heights = cracks.heights(ABSCISSA);
         let deviation = bootstrap().deviation(&heights)?;
         let loads: Vec<f64> =

@@ -1,7 +1,7 @@
 //! How far cracks from a notch scatter, and whether that survives another lattice.
 
-use peridyn_sde::Scheme;
 use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, Interval};
+use peridyn_sde::{Precision, Scheme};
 use reference_problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 use reference_problems::peridyn::sample::mean;
 use result_figures::{ErrorKind, Measured, Reference};
@@ -86,7 +86,7 @@ struct Scatter {
 
 impl Scatter {
     fn new(family: Family, rows: u32, realisations: u64, seed: u64) -> Result<Self, CaseError> {
-        let ensemble = family.plate(rows).cracks::<f32, 16>(realisations, seed)?;
+        let ensemble = family.plate(rows).cracks(Precision::Single, realisations, seed)?;
         let heights = ensemble.heights(ABSCISSA);
         let deviation = bootstrap().deviation(&heights)?;
         Ok(Self { family, rows, ensemble, heights, deviation })
@@ -163,14 +163,19 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 fn in_shards(context: &Context<'_>) -> Result<Claim, CaseError> {
     context.progress("shards");
     let (plate, count) = (Family::White.plate(24), 40);
-    let whole = plate.run::<f32, 16>(0..count, SEED)?;
-    let parts = plate.run_in_shards::<f32, 16>(count, 3, SEED)?;
+    let whole = plate.run(Precision::Single, 0..count, SEED)?;
+    let [last, middle, parts] =
+        [27..count, 14..27, 0..14].map(|range| plate.run(Precision::Single, range, SEED));
+    let (middle, last) = (middle?, last?);
+    let mut parts = parts?;
+    parts.append(middle)?;
+    parts.append(last)?;
     let n_different = (whole.records.iter().zip(&parts.records).filter(|(a, b)| a != b).count())
         + whole.loads.iter().zip(&parts.loads).filter(|(a, b)| a != b).count()
         + usize::from(whole.damage != parts.damage)
         + usize::from(whole.broken != parts.broken);
     let quantity = "paths, load curves and maps that differ from those of one run";
-    let method = "40 realisations of 24 rows in white noise, f32, in three shards joined from the last to the first";
+    let method = "40 realisations of 24 rows in white noise, f32, in three ranges run from the last to the first and joined";
     let subject = context.subject("shards", quantity, "", method);
     let reason =
         "noise is a function of seed, realisation and step; lanes do not know of each other";
@@ -380,7 +385,7 @@ fn cold(context: &Context<'_>) -> Result<Claim, CaseError> {
     let cause = Cause::WhiteNoise { ratio: 1e3 * RATIO, scheme: Scheme::EulerMaruyama, z: 0.9 };
     let plate =
         NotchedPlate { rows: 32, horizon: three_shells(32), cause, rotation: 0.0, tip: NOTCH };
-    let heights = plate.cracks::<f32, 16>(32, SEED)?.heights(ABSCISSA);
+    let heights = plate.cracks(Precision::Single, 32, SEED)?.heights(ABSCISSA);
     let deviation = 32.0 * bootstrap().deviation(&heights)?.value;
     let method = "white noise, s0/sigma = 10,000, 32 rows, otherwise as above, 32 realisations";
     let lines = Lines { context, id: "white-noise/cold", method: method.into() };

@@ -1,9 +1,8 @@
 //! A block with a flat notch, in tension: by two paths, on any number of threads.
 
 use peridyn_sde::{
-    Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, Influence,
-    LatticeBody, Loading, Nodes, Simulation, SimulationConfig, Strain, SurfaceCorrection,
-    VolumeCorrection,
+    Body, BondConfig, BondList, Bonds, Breaking, Cause, Condition, Dynamics, Horizon, LatticeBody,
+    Loading, Nodes, Simulation, SimulationConfig, Strain,
 };
 use sde_integrators::Noise;
 
@@ -45,13 +44,7 @@ struct Pulled {
 impl Block {
     fn new() -> Result<Self, CaseError> {
         let nodes = Nodes::lattice(1.0, ([0.0; 3], SIZE), Condition::Solid, |_| true)?;
-        let config = BondConfig {
-            horizon: Horizon::of_shells(3, 1.0)?,
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(3, 1.0)?, 1.0);
         let bonds = Bonds::new(&nodes, &config)?;
         let middle = 0.5 * SIZE[2];
         // Beyond the surfaces of the block, so that it is open to three sides.
@@ -71,10 +64,10 @@ impl Block {
         Ok(BondList::new(nodes, bonds, Strain::Finite, &strengths)?)
     }
 
-    fn simulation<B: Body<f64, 3, 1>>(
+    fn simulation(
         &self,
-        body: B,
-    ) -> Result<Simulation<f64, B, 3, 1>, CaseError> {
+        body: impl Body<f64, 3, 1> + 'static,
+    ) -> Result<Simulation<f64, 3, 1>, CaseError> {
         let x = self.nodes.positions();
         let layers = |inside: &dyn Fn(f64) -> bool| {
             (0..x.len()).filter(|&node| inside(x[node][2])).collect::<Vec<usize>>()
@@ -98,7 +91,7 @@ impl Block {
         Ok(run)
     }
 
-    fn pulled(&self, body: impl Body<f64, 3, 1>) -> Result<Pulled, CaseError> {
+    fn pulled(&self, body: impl Body<f64, 3, 1> + 'static) -> Result<Pulled, CaseError> {
         Self::finished(self.simulation(body)?, 0)
     }
 
@@ -107,9 +100,9 @@ impl Block {
         let mut first = self.simulation(self.lattice()?)?;
         let mut breaks = Vec::new();
         for _ in 0..N_STEPS / 2 {
-            let broken = first.step()?.broken;
-            let grown = broken.iter().filter(|broken| broken.cause != Cause::Cut);
-            breaks.extend(grown.map(|broken| (broken.bond, broken.step)));
+            let report = first.step()?;
+            let grown = report.broken.iter().filter(|broken| broken.cause != Cause::Cut);
+            breaks.extend(grown.map(|broken| (broken.bond, report.step)));
         }
         let text = serde_json::to_string(&first.save()?)?;
         let mut second = self.simulation(self.lattice()?)?;
@@ -120,15 +113,12 @@ impl Block {
         Ok(pulled)
     }
 
-    fn finished<B: Body<f64, 3, 1>>(
-        mut run: Simulation<f64, B, 3, 1>,
-        done: u32,
-    ) -> Result<Pulled, CaseError> {
+    fn finished(mut run: Simulation<f64, 3, 1>, done: u32) -> Result<Pulled, CaseError> {
         let mut breaks = Vec::new();
         for _ in done..N_STEPS {
             let report = run.step()?;
             let grown = report.broken.iter().filter(|broken| broken.cause != Cause::Cut);
-            breaks.extend(grown.map(|broken| (broken.bond, broken.step)));
+            breaks.extend(grown.map(|broken| (broken.bond, report.step)));
         }
         breaks.sort_unstable();
         Ok(Pulled { breaks, u: run.displacements(0) })

@@ -88,7 +88,7 @@ impl Symmetric {
         (dt, temperature): (f64, f64),
         loading: Loading<2>,
         first: u64,
-    ) -> Result<Simulation<f32, BondList<f32, 2, L>, 2, L>, CaseError> {
+    ) -> Result<Simulation<f32, 2, L>, CaseError> {
         let strengths = vec![self.plate.strength()?; self.bonds.len()];
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
         let body = BondList::<f32, 2, L>::new(nodes, bonds, Strain::Finite, &strengths)?;
@@ -123,10 +123,11 @@ impl Symmetric {
         run.cut(&self.cut)?;
         let mut breaks = vec![Vec::new(); L];
         for _ in 0..self.n_steps {
-            for broken in run.step()?.broken {
+            let report = run.step()?;
+            for broken in &report.broken {
                 for (lane, breaks) in breaks.iter_mut().enumerate() {
                     if broken.lanes >> lane & 1 == 1 {
-                        breaks.push((broken.bond, broken.time));
+                        breaks.push((broken.bond, report.time));
                     }
                 }
             }

@@ -1,9 +1,9 @@
 //! Measured strengths of fibres and bars: parameters from one test, prediction of another with intervals.
 
 use peridyn_sde::{
-    BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading,
-    Mobility, Nodes, Program, Scheme, Simulation, SimulationConfig, Strain, StrengthElement,
-    SurfaceCorrection, VolumeCorrection, WeibullByVolume, WeibullStrength,
+    BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Loading, Mobility, Nodes,
+    Program, Scheme, Simulation, SimulationConfig, Strain, StrengthElement, WeibullByVolume,
+    WeibullStrength,
 };
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Noise, Purpose};
@@ -83,13 +83,7 @@ impl Bar {
         let spacing = f64::from(links + 1).recip();
         let bar = Condition::Bar { area: 1.0 };
         let nodes = Nodes::lattice(spacing, ([0.0], [1.0]), bar, |_| true)?;
-        let config = BondConfig {
-            horizon: Horizon::of_shells(1, spacing)?,
-            young_modulus: 1.0,
-            influence: Influence::Constant,
-            volume_correction: VolumeCorrection::None,
-            surface_correction: SurfaceCorrection::None,
-        };
+        let config = BondConfig::uncorrected(Horizon::of_shells(1, spacing)?, 1.0);
         let bonds = Bonds::new(&nodes, &config)?;
         Ok(Self { nodes, bonds })
     }

@@ -1,12 +1,12 @@
 //! The sites and bond vectors of a lattice, with the displacements at its sites.
 
-use super::LaneBits;
-use super::lattice_rows::{Band, Components};
+use super::band::{Band, Components};
 use super::stencil::{Sites, Stencil};
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
 use crate::breaking::broken_bond::{BrokenBond, Cause};
 use crate::error::{Error, same_length};
+use crate::fast::LaneBits;
 use crate::real::Real;
 
 /// What all bodies on a lattice read.
@@ -15,7 +15,7 @@ pub(super) struct Grid<T, const D: usize> {
     pub(super) stencil: Stencil<T, D>,
     pub(super) sites: Sites<D>,
     /// Displacements by component, over all sites.
-    pub(super) padded: Components<T, D>,
+    pub(super) padded: Components<T>,
 }
 
 impl<T: Real, const D: usize> Grid<T, D> {
@@ -28,16 +28,16 @@ impl<T: Real, const D: usize> Grid<T, D> {
         same_length("nodes", nodes.positions().len(), bonds.n_nodes())?;
         let sites = Sites::new(nodes, bonds)?;
         let stencil = Stencil::new(nodes, bonds, &sites, stiffness)?;
-        let padded = Components::new(sites.len());
+        let padded = Components::new(sites.len(), D);
         Ok(Self { stencil, sites, padded })
     }
 
     /// The rows in bands.
-    pub(super) fn bands(&self) -> Vec<Band<T, D>> {
+    pub(super) fn bands(&self, is_solid: bool) -> Vec<Band<T>> {
         let (n_rows, of_band) = (self.sites.rows().len(), self.sites.rows_of_band());
         let band = |start: usize| {
             let rows = start..n_rows.min(start + of_band);
-            Band::new(rows, &self.sites, self.stencil.len())
+            Band::new(rows, &self.sites, self.stencil.len(), is_solid)
         };
         (0..n_rows).step_by(of_band).map(band).collect()
     }
@@ -45,7 +45,7 @@ impl<T: Real, const D: usize> Grid<T, D> {
     /// Displacements of nodes to their sites.
     pub(super) fn spread(&mut self, u: &[T]) {
         let u = u.as_chunks::<D>().0;
-        let padded = self.padded.all_mut();
+        let padded = self.padded.all_mut::<D>();
         for run in self.sites.runs() {
             let u = &u[run.node..run.node + run.length];
             for k in 0..D {
@@ -58,18 +58,14 @@ impl<T: Real, const D: usize> Grid<T, D> {
     }
 
     /// Forces of bands at sites to their nodes.
-    pub(super) fn collect<'a>(&self, band: impl Fn(usize) -> &'a Band<T, D>, forces: &mut [T])
-    where
-        T: 'a,
-    {
+    pub(super) fn collect(&self, bands: &[Band<T>], forces: &mut [T]) {
         let forces = forces.as_chunks_mut::<D>().0;
         for run in self.sites.runs() {
-            let band = band(run.row / self.sites.rows_of_band());
+            let band = &bands[run.row / self.sites.rows_of_band()];
             let (at, forces) =
                 (run.site - band.first, &mut forces[run.node..run.node + run.length]);
-            for k in 0..D {
-                let of_band = &band.forces.all()[k][at..at + run.length];
-                for (force, &of_band) in forces.iter_mut().zip(of_band) {
+            for (k, of_band) in band.forces.all::<D>().into_iter().enumerate() {
+                for (force, &of_band) in forces.iter_mut().zip(&of_band[at..at + run.length]) {
                     force[k] = of_band;
                 }
             }

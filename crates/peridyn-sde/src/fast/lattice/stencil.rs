@@ -5,10 +5,10 @@ use std::ops::Range;
 
 use simd_lanes::MOST_LANES;
 
-use super::LaneBits;
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
-use crate::error::Error;
+use crate::error::{Error, at_most};
+use crate::fast::LaneBits;
 use crate::real::Real;
 
 /// Sites that share the words of bits.
@@ -35,7 +35,7 @@ pub(super) struct Sites<const D: usize> {
     /// Row of each node.
     rows_of_nodes: Vec<u32>,
     runs: Vec<Run>,
-    /// Of sites along a row within the margin.
+    /// Number of sites along a row, within the margin.
     width: usize,
     /// Rows and sites to a layer across the last axis, and layers that a bond reaches over.
     layer: (usize, usize),
@@ -72,9 +72,7 @@ impl<const D: usize> Sites<D> {
             strides[k] = size;
             size *= along(extent[k]) + 2 * along(reach[k]);
         }
-        if size > u32::MAX as usize {
-            return Err(Error::TooManyNodes { value: size, limit: u32::MAX as usize });
-        }
+        at_most("sites", size, u32::MAX as usize)?;
         let site =
             |c: &[i32; D]| (0..D).map(|k| along(c[k] + reach[k]) * strides[k]).sum::<usize>();
         let row_of = |c: &[i32; D]| {
@@ -235,7 +233,7 @@ pub(super) struct Vector<T, const D: usize> {
 }
 
 impl<T: Real, const D: usize> Stencil<T, D> {
-    /// Of bonds with a stiffness over length.
+    /// The stencil of bonds with a stiffness over length.
     pub(super) fn new(
         nodes: &Nodes<D>,
         bonds: &Bonds,

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use sde_integrators::{Estimate, Purpose, Uncertainty};
 
-use crate::diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
 use crate::error::{Error, at_least};
 use crate::parameter_space::ParameterSpace;
-use crate::sampler_config::SamplerConfig;
-use crate::target::{LogLikelihood, Proposal, Target};
-use crate::tempered::{covariance, tempered};
+use crate::sampling::diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
+use crate::sampling::sampler_config::SamplerConfig;
+use crate::sampling::target::{LogLikelihood, Proposal, Target};
+use crate::sampling::tempered::{covariance, tempered};
 
 /// The contraction above which data say more of a parameter than the prior did. For a normal prior and likelihood precisions add,
 /// and the contraction is the share of the data in their sum: at one half both weigh the same.
@@ -27,7 +27,7 @@ pub enum Verdict {
 }
 
 /// Posterior of a parameter. Errors are those of the chains; that of the ensembles behind the likelihood is
-/// [`Emulator::error_of_means`](super::Emulator::error_of_means).
+/// [`Emulator::error_of_means`](crate::Emulator::error_of_means).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterPosterior {
     /// Its name.

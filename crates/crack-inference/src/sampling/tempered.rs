@@ -5,8 +5,8 @@ use sde_integrators::Purpose;
 use simd_lanes::exp;
 
 use crate::error::{Error, at_least, positive};
-use crate::sampler_config::SamplerConfig;
-use crate::target::{Proposal, Target, Walker};
+use crate::sampling::sampler_config::SamplerConfig;
+use crate::sampling::target::{Proposal, Target, Walker};
 
 /// Streams of [`Purpose::MarkovChain`]: chains have the first, particles of stage `t` those from `(t + 1) 2^32` on.
 const STREAMS_OF_A_STAGE: u64 = 1 << 32;

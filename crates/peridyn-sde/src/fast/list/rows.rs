@@ -1,4 +1,4 @@
-//! Forces of a list of bonds of one realisation: the components of a node in a register where bonds begin and end, bonds in
+//! One pass over a list of bonds of one realisation: the components of a node in a register where bonds begin and end, bonds in
 //! between.
 
 #![allow(
@@ -6,28 +6,27 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use simd_lanes::{Lanes, MOST_LANES, Registers, Work};
 
-use super::list_columns::Columns;
+use super::columns::Columns;
 use crate::bodies::bonds::Bonds;
 use crate::bodies::nodes::Nodes;
 use crate::breaking::broken_bond::{BrokenBond, Cause};
-use crate::fast::LaneBits;
-use crate::fast::bond_force::{SquaredElongation, component};
-use crate::fast::limit::Limit;
+use crate::fast::bond_force::{Kind, Pass, SquaredElongation, component, solid_tension, stretch};
 use crate::real::Real;
 
 /// Components of a node, zero beyond its dimensions.
 const WIDTH: usize = 4;
 
 /// Bonds of a node that are gathered before any is computed: as many as let a processor finish writing before it reads them.
-pub(in crate::fast) const BATCH: usize = 64;
+const BATCH: usize = 64;
 
 /// The nodes as registers hold them.
 #[derive(Debug, Clone)]
-pub(in crate::fast) struct Padded<T>(Vec<Node<T>>);
+struct Padded<T>(Vec<Node<T>>);
 
 /// All of a node in one place: apart from each other, forces and places get into each other's way in the cache.
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +40,7 @@ struct Node<T> {
 }
 
 impl<T: Real> Padded<T> {
-    pub(in crate::fast) fn new<const D: usize>(nodes: &Nodes<D>) -> Self {
+    fn new<const D: usize>(nodes: &Nodes<D>) -> Self {
         const { assert!(D <= WIDTH, "components of a node in one register") };
         let node = |of: &[f64; D]| {
             let (mut x, none) = ([0.0; WIDTH], [T::ZERO; WIDTH]);
@@ -52,7 +51,7 @@ impl<T: Real> Padded<T> {
     }
 
     #[inline(always)]
-    pub(in crate::fast) fn begin<const D: usize>(&mut self, u: &[T]) {
+    fn begin<const D: usize>(&mut self, u: &[T]) {
         for (node, u) in self.0.iter_mut().zip(u.as_chunks::<D>().0) {
             node.u[..D].copy_from_slice(u);
             node.force = [T::ZERO; WIDTH];
@@ -60,19 +59,14 @@ impl<T: Real> Padded<T> {
     }
 
     #[inline(always)]
-    pub(in crate::fast) fn end<const D: usize>(&self, forces: &mut [T]) {
+    fn end<const D: usize>(&self, forces: &mut [T]) {
         for (force, node) in forces.as_chunks_mut::<D>().0.iter_mut().zip(&self.0) {
             force.copy_from_slice(&node.force[..D]);
         }
     }
 
     #[inline(always)]
-    pub(in crate::fast) fn gather<const LINEAR: bool>(
-        &self,
-        batch: &mut Batch<T>,
-        i: usize,
-        partners: &[u32],
-    ) {
+    fn gather<const LINEAR: bool>(&self, batch: &mut Batch<T>, i: usize, partners: &[u32]) {
         let Node { x: x_i, u: u_i, .. } = self.0[i];
         let of_batch = batch.directions.iter_mut().zip(&mut batch.squares);
         for ((direction, square), &j) in of_batch.zip(partners) {
@@ -85,7 +79,7 @@ impl<T: Real> Padded<T> {
     }
 
     #[inline(always)]
-    pub(in crate::fast) fn scatter(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
+    fn scatter(&mut self, batch: &Batch<T>, i: usize, partners: &[u32]) {
         // The sum of a row is kept apart: adding each to memory would wait for the one before.
         let (nodes, mut sum) = (&mut self.0[..], [T::ZERO; WIDTH]);
         let of_batch = batch.directions.iter().zip(&batch.tensions);
@@ -104,43 +98,40 @@ impl<T: Real> Padded<T> {
 }
 
 /// Bonds of a node.
-pub(in crate::fast) struct Batch<T> {
+struct Batch<T> {
     /// `xi + eta`, or `xi` where strains are linear.
     directions: [[T; WIDTH]; BATCH],
     /// By component, the growth of the squared length: `eta (2 xi + eta)`, or `2 eta xi`.
     squares: [[T; WIDTH]; BATCH],
     /// What is computed of each bond: for the forces its tension over its length along the direction.
-    pub(in crate::fast) tensions: [T; BATCH],
+    tensions: [T; BATCH],
 }
 
 impl<T: Real> Batch<T> {
-    pub(in crate::fast) fn new() -> Self {
+    fn new() -> Self {
         let none = [[T::ZERO; WIDTH]; BATCH];
         Self { directions: none, squares: none, tensions: [T::ZERO; BATCH] }
     }
 
     /// Computes a number of each gathered bond, registers of bonds one after the other: `of` gets the place of the first in the
-    /// batch, the relative squared elongations, the pulls (none where a bond is at its limit), and what `columns` hold of them.
+    /// batch, the relative squared elongations, the pulls (none where a bond is at its limit), and their `factors`.
     #[inline(always)]
-    pub(in crate::fast) fn compute<R: Registers<T>, const D: usize, const LINEAR: bool>(
+    fn compute<R: Registers<T>, const D: usize, const LINEAR: bool>(
         &mut self,
         registers: R,
-        columns: &RowColumns<'_, T>,
-        (bonds, limit): (Range<usize>, Limit),
+        (columns, factors): (&Columns<T>, &[T]),
+        (bonds, breaks): (Range<usize>, bool),
         reached: &mut Vec<BrokenBond>,
         mut of: impl FnMut(usize, [R::Vector; 3]) -> R::Vector,
     ) {
         let lanes = R::N;
-        let least = match limit {
-            Limit::Strength => T::ZERO,
-            Limit::Unreached => T::LARGEST,
-        };
+        let least = if breaks { T::ZERO } else { T::LARGEST };
         // The last register holds zeros beside these bonds.
         let n = bonds.len().next_multiple_of(lanes);
         self.squares[bonds.len()..n].fill([T::ZERO; WIDTH]);
         let filled = bonds.start..bonds.start + n;
         let inverse_squares = columns.inverse_squares[filled.clone()].chunks_exact(lanes);
-        let factors = columns.factors[filled.clone()].chunks_exact(lanes);
+        let factors = factors[filled.clone()].chunks_exact(lanes);
         let limits = columns.limits[filled].chunks_exact(lanes);
         let columns = inverse_squares.zip(factors.zip(limits));
         let squares = self.squares[..n].chunks_exact(lanes);
@@ -149,11 +140,9 @@ impl<T: Real> Batch<T> {
         for block in blocks {
             let ((squares, tensions), (inverse_squares, (factors, limits))) = block;
             let load = |values: &[T]| registers.load_at(values, 0);
-            let elongation = sums::<T, R, D>(registers, squares) * load(inverse_squares);
-            let elongation = SquaredElongation::new(registers, elongation, LaneBits::MAX);
-            let w = elongation.0;
+            let w = sums::<T, R, D>(registers, squares) * load(inverse_squares);
             let limit = registers.splat(least).max(load(limits));
-            let pull = elongation.pull::<R, LINEAR>(
+            let pull = SquaredElongation(w).pull::<R, LINEAR>(
                 registers,
                 limit,
                 || limit,
@@ -170,54 +159,125 @@ impl<T: Real> Batch<T> {
     }
 }
 
-/// What is read of bonds in a row; each with numbers beyond the last bond that fill a register.
-#[derive(Clone, Copy)]
-pub(in crate::fast) struct RowColumns<'a, T> {
-    /// `1/|xi|^2`, zero where a bond is broken.
-    pub(in crate::fast) inverse_squares: &'a [T],
-    /// What the pull or the stretch is multiplied by.
-    pub(in crate::fast) factors: &'a [T],
-    /// The relative squared elongation at which a bond breaks.
-    pub(in crate::fast) limits: &'a [T],
+/// Buffers of one realisation.
+#[derive(Debug, Clone)]
+pub(super) struct OneRealisation<T> {
+    padded: Padded<T>,
+    /// The pull of each bond of a linear peridynamic solid, which the dilatations leave to the forces.
+    pulls: Vec<T>,
 }
 
-/// Forces under `u`, node by node: its bonds are gathered, computed in registers, and their forces added one by one.
-pub(in crate::fast) struct InRows<'a, T, const D: usize, const LINEAR: bool> {
-    pub(in crate::fast) bonds: &'a Bonds,
-    pub(in crate::fast) columns: &'a Columns<T>,
-    pub(in crate::fast) padded: &'a mut Padded<T>,
-    pub(in crate::fast) u: &'a [T],
-    pub(in crate::fast) forces: &'a mut [T],
-    pub(in crate::fast) limit: Limit,
+impl<T: Real> OneRealisation<T> {
+    /// With room for the pulls of so many bonds.
+    pub(super) fn new<const D: usize>(nodes: &Nodes<D>, n_bonds: usize) -> Self {
+        // Registers that begin at the last bonds end within the column.
+        Self { padded: Padded::new(nodes), pulls: vec![T::ZERO; n_bonds + MOST_LANES] }
+    }
+}
+
+/// A pass under `u`, node by node: its bonds are gathered, computed in registers, and their numbers added one by one.
+pub(super) struct RowWork<'a, T, P, const D: usize, const LINEAR: bool> {
+    pub(super) bonds: &'a Bonds,
+    pub(super) columns: &'a Columns<T>,
+    pub(super) one: &'a mut OneRealisation<T>,
+    pub(super) u: &'a [T],
+    /// `tau = D A theta/m` of each node of a linear peridynamic solid, for the forces.
+    pub(super) tau: &'a [T],
+    pub(super) sums: &'a mut [T],
+    /// Whether it looks for bonds at their limit.
+    pub(super) breaks: bool,
     /// Bonds found at their limit.
-    pub(in crate::fast) reached: &'a mut Vec<BrokenBond>,
+    pub(super) reached: &'a mut Vec<BrokenBond>,
+    pub(super) pass: PhantomData<P>,
 }
 
-impl<T: Real, const D: usize, const LINEAR: bool> Work<T> for InRows<'_, T, D, LINEAR> {
+impl<T: Real, P: Pass, const D: usize, const LINEAR: bool> Work<T>
+    for RowWork<'_, T, P, D, LINEAR>
+{
     type Output = ();
 
     #[inline(always)]
     fn run<R: Registers<T>>(self, registers: R) {
-        let Self { bonds, columns, padded, u, forces, limit, reached } = self;
-        let Columns { inverse_squares, stiffness, limits, .. } = columns;
-        let columns = RowColumns { inverse_squares, factors: stiffness, limits };
-        let mut batch = Batch::new();
+        let Self { bonds, columns, one, u, tau, sums, breaks, reached, .. } = self;
+        let OneRealisation { padded, pulls } = one;
+        let (mut batch, mut tau_of_partners) = (Batch::new(), [T::ZERO; BATCH]);
         padded.begin::<D>(u);
+        if P::IS_DILATATION {
+            sums.fill(T::ZERO);
+        }
         for (i, some) in in_batches(bonds) {
             let partners = bonds.partners(some.clone());
             padded.gather::<LINEAR>(&mut batch, i, partners);
-            let tension = |_, [_, pull, stiffness]: [R::Vector; 3]| stiffness * pull;
-            let some = (some, limit);
-            batch.compute::<R, D, LINEAR>(registers, &columns, some, reached, tension);
-            padded.scatter(&batch, i, partners);
+            match P::KIND {
+                Kind::PairForce => {
+                    let tension = |_, [_, pull, stiffness]: [R::Vector; 3]| stiffness * pull;
+                    let factors = (columns, &columns.stiffness[..]);
+                    let some = (some, breaks);
+                    batch.compute::<R, D, LINEAR>(registers, factors, some, reached, tension);
+                    padded.scatter(&batch, i, partners);
+                }
+                Kind::Dilatation => {
+                    let pulls = &mut pulls[some.start..];
+                    let part = |at, [w, pull, moment]: [R::Vector; 3]| {
+                        // Beyond the row they are those of bonds that come later.
+                        registers.store_at(pull, pulls, at);
+                        moment * stretch::<_, LINEAR>(w, pull)
+                    };
+                    let factors = (columns, &columns.moments[..]);
+                    let some = (some, breaks);
+                    batch.compute::<R, D, LINEAR>(registers, factors, some, reached, part);
+                    let mut sum = T::ZERO;
+                    for (&part, &j) in batch.tensions.iter().zip(partners) {
+                        sum += part;
+                        sums[j as usize] += part;
+                    }
+                    sums[i] += sum;
+                }
+                Kind::SolidForce => {
+                    for (of, &j) in tau_of_partners.iter_mut().zip(partners) {
+                        *of = tau[j as usize];
+                    }
+                    let tau = (registers.splat(tau[i]), &tau_of_partners);
+                    let columns = (columns, &pulls[..]);
+                    batch.solid_tensions::<R, LINEAR>(registers, columns, &some, tau);
+                    padded.scatter(&batch, i, partners);
+                }
+            }
         }
-        padded.end::<D>(forces);
+        if !P::IS_DILATATION {
+            padded.end::<D>(sums);
+        }
+    }
+}
+
+impl<T: Real> Batch<T> {
+    /// The tensions of gathered bonds of a linear peridynamic solid, from their pulls and `tau` at both ends.
+    #[inline(always)]
+    fn solid_tensions<R: Registers<T>, const LINEAR: bool>(
+        &mut self,
+        registers: R,
+        (columns, pulls): (&Columns<T>, &[T]),
+        bonds: &Range<usize>,
+        (tau_i, tau): (R::Vector, &[T; BATCH]),
+    ) {
+        let filled = bonds.start..bonds.start + bonds.len().next_multiple_of(R::N);
+        let [pulls, stiffness, weights] = [pulls, &columns.stiffness, &columns.weights]
+            .map(|column| column[filled.clone()].chunks_exact(R::N));
+        let tensions = self.tensions.chunks_exact_mut(R::N);
+        let blocks = tensions.zip(tau.chunks_exact(R::N)).zip(pulls);
+        for (((tensions, tau_j), pulls), (stiffness, weights)) in blocks.zip(stiffness.zip(weights))
+        {
+            let load = |values: &[T]| registers.load_at(values, 0);
+            let phi_tau = load(weights) * (tau_i + load(tau_j));
+            let tension = solid_tension::<_, LINEAR>(load(stiffness), phi_tau, load(pulls));
+            registers.store_at(tension, tensions, 0);
+        }
     }
 }
 
 /// The bonds of each node, at most [`BATCH`] at a time.
 #[inline(always)]
-pub(in crate::fast) fn in_batches(bonds: &Bonds) -> impl Iterator<Item = (usize, Range<usize>)> {
+fn in_batches(bonds: &Bonds) -> impl Iterator<Item = (usize, Range<usize>)> {
     (0..bonds.n_nodes()).flat_map(|i| {
         let row = bonds.row(i);
         let starts = row.clone().step_by(BATCH);

@@ -7,34 +7,34 @@
 
 use simd_lanes::{Lanes, Mask, Registers, Work};
 
+use super::lanes::Realisations;
 use crate::breaking::crossing::Crossing;
-use crate::fast::realisations::Realisations;
 use crate::material::strain::Strain;
 use crate::real::Real;
 
-/// For each bond and lane: which bonds may have crossed their strength over a step.
+/// Limits that decide which bonds may have crossed their strength over a step, one for each bond and lane.
 #[derive(Debug, Clone)]
-pub(in crate::fast) struct CrossingLimits<T> {
+pub(super) struct CrossingLimits<T> {
     /// `w_0`, the relative squared elongation at the strength.
-    pub(in crate::fast) strength: Vec<T>,
+    pub(super) strength: Vec<T>,
     /// Below it the product `(w_0 - w)(w_0 - w')` needs a test.
-    pub(in crate::fast) product: Vec<T>,
+    pub(super) product: Vec<T>,
 }
 
 impl<T: Real> CrossingLimits<T> {
-    /// Of so many bonds and lanes with these strengths.
-    pub(in crate::fast) fn new<const L: usize>(
+    /// Limits of so many bonds with these strengths, by bond and lane.
+    pub(super) fn new<const L: usize>(
         strain: Strain,
-        (n_bonds, n_lanes): (usize, usize),
+        n_bonds: usize,
         crossing: &Crossing<L>,
         strength: impl Fn(usize, usize) -> f64,
     ) -> Self {
         let mut limits = Self { strength: Vec::new(), product: Vec::new() };
-        for at in 0..n_bonds * n_lanes {
-            let strength = strength(at / n_lanes, at % n_lanes);
+        for at in 0..n_bonds * L {
+            let strength = strength(at / L, at % L);
             // A gap in stretch is at least that in elongation over the largest slope below the strength.
             let slope = strain.slope(strength);
-            let product = slope * slope * crossing.least_product(at / n_lanes);
+            let product = slope * slope * crossing.least_product(at / L);
             limits.product.push(T::of(product));
             limits.strength.push(T::of(strain.squared_elongation(strength)));
         }
@@ -44,13 +44,13 @@ impl<T: Real> CrossingLimits<T> {
 
 /// Finds the bonds for which `(w_0 - w)(w_0 - w')`, with the relative squared elongations `w` before and `w'` after the step, is
 /// below its limit in any lane.
-pub(in crate::fast) struct MayCross<'a, T, const D: usize, const L: usize, const LINEAR: bool> {
-    pub(in crate::fast) realisations: Realisations<'a, T, D, L>,
-    pub(in crate::fast) limits: &'a CrossingLimits<T>,
-    pub(in crate::fast) from: &'a [T],
-    pub(in crate::fast) to: &'a [T],
+pub(super) struct MayCross<'a, T, const D: usize, const L: usize, const LINEAR: bool> {
+    pub(super) realisations: Realisations<'a, T, D, L>,
+    pub(super) limits: &'a CrossingLimits<T>,
+    pub(super) from: &'a [T],
+    pub(super) to: &'a [T],
     /// Bonds with their ends.
-    pub(in crate::fast) found: &'a mut Vec<(usize, [usize; 2])>,
+    pub(super) found: &'a mut Vec<(usize, [usize; 2])>,
 }
 
 impl<T: Real, const D: usize, const L: usize, const LINEAR: bool> Work<T>

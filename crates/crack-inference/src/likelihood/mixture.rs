@@ -4,10 +4,10 @@ use random_fields::{Enough, LowRank, pivoted_cholesky};
 use sde_integrators::{Noise, Purpose};
 use simd_lanes::{exp, ln};
 
-use crate::emulator::Emulator;
 use crate::error::{Error, at_least};
-use crate::gaussian::Observations;
-use crate::regressions::Regressions;
+use crate::likelihood::emulator::Emulator;
+use crate::likelihood::gaussian::Observations;
+use crate::likelihood::regressions::Regressions;
 
 /// Part of the variances that is left out of a draw.
 const LEFT_OUT: f64 = 1e-10;

@@ -4,11 +4,11 @@ use sde_integrators::{Estimate, Uncertainty};
 
 use crate::error::{Error, at_least, same_count};
 use crate::factor::product;
-use crate::gaussian::{At, Observations, Slopes};
-use crate::lack_of_fit::{ComponentFit, lack_of_fit};
+use crate::likelihood::gaussian::{At, Observations, Slopes};
+use crate::likelihood::lack_of_fit::{ComponentFit, lack_of_fit};
+use crate::likelihood::polynomial::{Polynomial, dot, terms, variance};
+use crate::likelihood::regressions::{Layout, Regressions};
 use crate::parameter_space::ParameterSpace;
-use crate::polynomial::{Polynomial, dot, terms, variance};
-use crate::regressions::{Layout, Regressions};
 use crate::summaries::Summaries;
 
 /// The synthetic likelihood, `sum_p ln N(y_p; m, S + R)` of the summaries `y_p` of plates with errors of measurement of the variances
@@ -128,7 +128,7 @@ impl Emulator {
 
     /// The standard errors of posterior means, on the scale of each parameter, from the finite ensembles. An error `dl(x)` of the
     /// log-likelihood moves the mean by `Cov(x, dl(x))` over the posterior, to first order. From draws of it, of which a few
-    /// hundred are enough; see [`Posterior::thinned`](super::Posterior::thinned).
+    /// hundred are enough; see [`Posterior::thinned`](crate::Posterior::thinned).
     ///
     /// # Errors
     /// As [`Emulator::value`]; [`Error::TooFew`] for fewer than 100 draws.
@@ -234,7 +234,7 @@ mod tests {
     use sde_integrators::{Noise, Purpose};
 
     use super::*;
-    use crate::lack_of_fit::Component;
+    use crate::likelihood::lack_of_fit::Component;
     use crate::parameter::{Parameter, Prior, Scale};
     use crate::summaries::Absent;
 

@@ -1,7 +1,7 @@
 //! How well quadratics follow what ensembles at the points of a design found.
 
-use crate::polynomial::{dot, terms};
-use crate::regressions::{Layout, Regressions};
+use crate::likelihood::polynomial::{dot, terms};
+use crate::likelihood::regressions::{Layout, Regressions};
 
 /// Which number of the law of the summaries; summaries are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -14,6 +14,5 @@ pub mod system;
 
 pub(crate) use self::keys::checks;
 pub use self::keys::{
-    integrator_scene, lattice_scene, law_scene, method_scene, scene, scheme_scene, structure_scene,
-    system_scene,
+    lattice_scene, law_scene, method_scene, scene, scheme_scene, structure_scene, system_scene,
 };

@@ -12,12 +12,37 @@ use vibrating_systems::{
 };
 
 use super::density::Erased;
-use super::integrator_scene::IntegratorScene;
+
+/// Integrator of a path. Each system has one, the best that was measured on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathIntegrator {
+    /// Forward Euler, for noise that depends on the state.
+    EulerMaruyama,
+    /// Strang splitting with exact rotation and exact damper flow.
+    StrangOscillator,
+    /// The same for the hysteretic oscillator.
+    StrangBoucWen,
+    /// Two drift evaluations, strong order 1.5, for any system with additive noise.
+    Shark,
+}
+
+impl PathIntegrator {
+    /// Name for output.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::EulerMaruyama => "forward Euler",
+            Self::StrangOscillator => "Strang",
+            Self::StrangBoucWen => "Strang with hysteresis",
+            Self::Shark => "ShARK",
+        }
+    }
+}
 
 /// A system whose paths can be sampled.
 pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
     /// Integrator of this system.
-    const INTEGRATOR: IntegratorScene;
+    const INTEGRATOR: PathIntegrator;
 
     /// Runs part `place.0` of `place.1` of an ensemble.
     ///
@@ -110,7 +135,7 @@ pub enum PathsError {
 macro_rules! compiled_paths {
     ($($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
         impl Paths<$d, $m> for $system {
-            const INTEGRATOR: IntegratorScene = IntegratorScene::$integrator;
+            const INTEGRATOR: PathIntegrator = PathIntegrator::$integrator;
 
             fn shard(
                 &self,
@@ -169,7 +194,7 @@ macro_rules! guided {
 macro_rules! erased_paths {
     ($noise:ident: $($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
         impl Paths<$d, $m> for $system {
-            const INTEGRATOR: IntegratorScene = IntegratorScene::$integrator;
+            const INTEGRATOR: PathIntegrator = PathIntegrator::$integrator;
 
             fn shard(
                 &self,

@@ -32,7 +32,7 @@ pub(crate) const RETIRED: &[Retired] = &[
         successor: "nothing in its place: the method steps by forward Euler as printed",
     },
     Retired {
-        path: "integrator.semi_implicit_euler",
+        path: "integrator",
         successor: "nothing in its place: each system has its best integrator",
     },
     Retired {

@@ -8,8 +8,7 @@ use vibrating_systems::{
 use random_vibration::Quadrature;
 use sde_integrators::{Additive, Sde};
 
-use super::integrator_scene::IntegratorScene;
-use super::paths::Paths;
+use super::paths::{PathIntegrator, Paths};
 
 /// A system that has been checked, of any dimension.
 #[derive(Debug, Clone, PartialEq)]
@@ -233,7 +232,7 @@ impl System {
 
     /// Integrator of its paths.
     #[must_use]
-    pub fn integrator(&self) -> IntegratorScene {
+    pub fn integrator(&self) -> PathIntegrator {
         self.visit(IntegratorOf)
     }
 
@@ -311,7 +310,7 @@ fn frame_period(system: &TwoStorey) -> f64 {
 struct IntegratorOf;
 
 impl Visitor for IntegratorOf {
-    type Output = IntegratorScene;
+    type Output = PathIntegrator;
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, _: &S) -> Self::Output {
         S::INTEGRATOR
     }

@@ -18,12 +18,12 @@ const PROBE: f64 = 1e-60;
 /// How the load of a scene is applied.
 #[derive(Debug)]
 pub(super) enum SceneProcedure {
-    /// In steps of time.
+    /// The plate moves in steps of time.
     Dynamic(Motion),
-    /// From equilibrium to equilibrium.
+    /// The plate passes from equilibrium to equilibrium.
     QuasiStatic {
         config: EquilibriumConfig,
-        /// Of the random fields.
+        /// The seed of the random fields.
         noise: Noise,
     },
 }

@@ -12,9 +12,9 @@ use super::scene_problem::CrackProblem;
 /// Realisations of a range so far.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CrackProgress {
-    /// Those of the rounds that have ended.
+    /// The realisations of the rounds that have ended.
     pub run: Option<CrackRun>,
-    /// The round after them, halted.
+    /// The round after them, if it was halted.
     pub halted: Option<HaltedRun>,
 }
 

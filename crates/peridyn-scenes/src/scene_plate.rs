@@ -37,16 +37,16 @@ pub(super) struct Plate {
 /// How its bonds pull.
 #[derive(Debug)]
 pub(super) enum PlateLaw {
-    /// By a pair potential, up to their strength.
+    /// Bonds have a pair potential, up to their strength.
     BondBased,
-    /// By a pair potential, and soften from their strength on.
+    /// Bonds have a pair potential, and soften from their strength on.
     Softening(Bilinear),
-    /// As a linear peridynamic solid.
+    /// The body is a linear peridynamic solid.
     LinearSolid(SolidBonds),
 }
 
 impl PlateLaw {
-    /// In the form that a study borrows.
+    /// The law in the form that a study borrows.
     pub(super) const fn of_study(&self) -> StudyLaw<'_> {
         match self {
             Self::BondBased => StudyLaw::BondBased,
@@ -63,14 +63,14 @@ pub(super) enum Variation {
     Uniform,
     /// Random in each realisation.
     Field(DisorderField, BondValue),
-    /// From the file of points.
+    /// Factors from the file of points.
     Given(Vec<f64>, BondValue),
     /// Independent, by volume.
     Weibull(WeibullStrength),
 }
 
 impl Variation {
-    /// As critical stretches, given that of the material.
+    /// The critical stretches of the bonds, given that of the material.
     pub(super) fn strength(&self, of_material: f64) -> Strength<'_> {
         match self {
             Self::Uniform => Strength::Uniform(of_material),
@@ -80,7 +80,7 @@ impl Variation {
         }
     }
 
-    /// As factors of the stiffness.
+    /// The factors of the stiffness of the bonds.
     pub(super) fn stiffness(&self) -> Stiffness<'_> {
         match self {
             // `Plate::stiffness` refuses the last.

@@ -39,7 +39,6 @@ use crate::answers::Answers;
 use crate::checkpoint::Checkpoint;
 use crate::ladder::Ladder;
 use crate::models::Ingredient;
-use crate::nearest::nearest;
 pub use crate::scene::KIND_KEY;
 use crate::scene::{Objection, SceneError, SceneFile};
 
@@ -170,17 +169,12 @@ pub fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a Scene
     let solver = file.text_at_top(KIND_KEY)?;
     table.iter().find(|kind| kind.solver == solver).ok_or_else(|| {
         let known: Vec<&str> = table.iter().map(|kind| kind.solver).collect();
-        let hint = match nearest(&solver, known.iter().copied()) {
-            Some(nearest) => format!("did you mean `{nearest}`?"),
-            None => format!(
-                "this build has {}; any other is a feature of the package `scenes`",
-                known.join(", ")
-            ),
+        let objection = Objection::new(KIND_KEY, format!("there is no solver `{solver}`"));
+        let others = || {
+            let known = known.join(", ");
+            format!("this build has {known}; any other is a feature of the package `scenes`")
         };
-        file.object_to(
-            &Objection::new(KIND_KEY, format!("there is no solver `{solver}`")).with_help(hint),
-        )
-        .into()
+        file.object_to(&objection.with_nearest(&solver, &known, others)).into()
     })
 }
 

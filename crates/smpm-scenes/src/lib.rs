@@ -10,5 +10,5 @@ pub mod run;
 pub mod sources;
 
 pub(crate) use self::bodies::region;
-pub(crate) use self::keys::{coordinates, unknown_name};
+pub(crate) use self::keys::coordinates;
 pub use self::keys::{material_scene, method_scene, quantity_name, random_field_scene, scene};

@@ -11,7 +11,6 @@ use super::method_scene::MethodScene;
 use super::random_field_scene::{RandomFieldScene, TermsScene};
 use super::region::BodyRegion;
 use super::scene::SmpmScene;
-use super::unknown_name::unknown;
 
 /// Where the chance that a normal is farther is 1e-6, as for random parameters.
 const FARTHEST: f64 = 4.891_638_475_698_59;
@@ -93,7 +92,7 @@ impl SmpmScene {
                 let path = format!("{path}[{k}]");
                 let (name, rest) = parameter.split_once('.').unwrap_or((parameter, ""));
                 let Some(of_material) = numbers.get(name) else {
-                    return Err(unknown(&path, "material", name, self.materials.keys()));
+                    return Err(Objection::unknown(&path, "material", name, self.materials.keys()));
                 };
                 let key = MaterialScene::parameter(of_material, rest, &path)?;
                 let mean = of_material[&key];

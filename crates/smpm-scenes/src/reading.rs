@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use perturbation_moments::{Marginal, RandomVector};
-use scene_runs::nearest::nearest;
 use scene_runs::scene::{Objection, Retired, Scene, SceneError, SceneFile, WrongKey, read_keys};
 use serde_json::Value;
 use smpm::{
@@ -21,7 +20,6 @@ use super::scene::{
     BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, ShapeScene, SideScene,
     SmpmScene, TransferScene,
 };
-use super::unknown_name::unknown;
 
 /// A random parameter of a material.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +72,7 @@ impl SmpmScene {
             let (material, name) =
                 random.parameter.split_once('.').unwrap_or((&random.parameter, ""));
             let Some(of_material) = numbers.get(material) else {
-                return Err(unknown(&path, "material", material, self.materials.keys()));
+                return Err(Objection::unknown(&path, "material", material, self.materials.keys()));
             };
             let key = MaterialScene::parameter(of_material, name, &path)?;
             if found.iter().any(|earlier| earlier.material == material && earlier.key == key) {
@@ -111,7 +109,7 @@ impl SmpmScene {
             let place = |name: &String| {
                 self.random.iter().position(|random| random.parameter == *name).ok_or_else(|| {
                     let names = self.random.iter().map(|random| &random.parameter);
-                    unknown(&format!("{path}.between"), "random parameter", name, names)
+                    Objection::unknown(format!("{path}.between"), "random parameter", name, names)
                 })
             };
             let [i, j] = [place(&given.between[0])?, place(&given.between[1])?];
@@ -175,9 +173,9 @@ impl SmpmScene {
         let gauge = |(i, gauge): (usize, &GaugeScene)| {
             let path = format!("gauges[{i}]");
             let names = || self.bodies.iter().map(|body| &body.name);
-            let body = names()
-                .position(|name| *name == gauge.body)
-                .ok_or_else(|| unknown(&format!("{path}.body"), "body", &gauge.body, names()))?;
+            let body = names().position(|name| *name == gauge.body).ok_or_else(|| {
+                Objection::unknown(format!("{path}.body"), "body", &gauge.body, names())
+            })?;
             let place = match (&gauge.at, &gauge.within) {
                 (Some(at), None) => Place::Nearest(point(at, &format!("{path}.at"))?),
                 (None, Some([from, to])) => Place::Region {
@@ -201,13 +199,14 @@ impl SmpmScene {
     fn quantities(&self) -> Result<Vec<Quantity>, Objection> {
         let quantity = |(i, name): (usize, &String)| {
             name.parse::<Quantity>().map_err(|error| {
-                let message = format!("there is no quantity `{name}`");
                 let names: Vec<String> = Quantity::all().map(|q| q.to_string()).collect();
-                let hint = nearest(name, names.iter().map(String::as_str)).map_or_else(
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                let message = format!("there is no quantity `{name}`");
+                Objection::new(format!("quantities[{i}]"), message).with_nearest(
+                    name,
+                    &names,
                     || error.to_string(),
-                    |nearest| format!("did you mean `{nearest}`?"),
-                );
-                Objection::new(format!("quantities[{i}]"), message).with_help(hint)
+                )
             })
         };
         self.quantities.iter().enumerate().map(quantity).collect()
@@ -297,7 +296,7 @@ impl Scene for SmpmScene {
         self.quantities()?;
         for name in self.levels.keys() {
             if !self.quantities.contains(name) {
-                return Err(unknown("levels", "quantity", name, self.quantities.iter()));
+                return Err(Objection::unknown("levels", "quantity", name, self.quantities.iter()));
             }
         }
         self.check_field_method()?;
@@ -399,7 +398,12 @@ impl SmpmScene {
         for (i, body) in self.bodies.iter().enumerate() {
             if !self.materials.contains_key(&body.material) {
                 let path = format!("bodies[{i}].material");
-                return Err(unknown(&path, "material", &body.material, self.materials.keys()));
+                return Err(Objection::unknown(
+                    &path,
+                    "material",
+                    &body.material,
+                    self.materials.keys(),
+                ));
             }
             if !body.velocity.is_empty() {
                 point::<D>(&body.velocity, &format!("bodies[{i}].velocity"))?;

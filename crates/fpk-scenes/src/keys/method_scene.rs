@@ -7,7 +7,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::checks::{check_length, must};
-use super::integrator_scene::IntegratorScene;
 use super::lattice_scene::{
     DegreeScene, FilterScene, FreshLatticesScene, LatticeScene, SettlingScene, check_counts,
     scaled_counts,
@@ -47,10 +46,6 @@ pub enum MethodScene {
         paths: u64,
         /// Longest step (s).
         step: f64,
-        /// Integrator of a path: that of the system.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(example = IntegratorScene::StrangOscillator)]
-        integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
     },
@@ -74,10 +69,6 @@ pub enum MethodScene {
         samples: u64,
         /// Longest step; an interval between times has a whole number of steps (s).
         step: f64,
-        /// Integrator of a path: that of the system.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(example = IntegratorScene::StrangOscillator)]
-        integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
     },
@@ -91,10 +82,6 @@ pub enum MethodScene {
         runs: u64,
         /// Longest step (s).
         step: f64,
-        /// Integrator of a path: that of the system.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(example = IntegratorScene::StrangOscillator)]
-        integrator: Option<IntegratorScene>,
         /// Seed of all random numbers (no unit).
         seed: u64,
     },
@@ -122,12 +109,7 @@ impl MethodScene {
     }
 
     fn sampled() -> Self {
-        Self::MonteCarlo {
-            paths: 100_000,
-            step: 0.01,
-            integrator: Some(IntegratorScene::StrangOscillator),
-            seed: 1,
-        }
+        Self::MonteCarlo { paths: 100_000, step: 0.01, seed: 1 }
     }
 
     fn grid() -> Self {
@@ -139,13 +121,11 @@ impl MethodScene {
     }
 
     fn guided() -> Self {
-        Self::GuidedPaths { samples: 2_000, step: 0.04, integrator: None, seed: 1 }
+        Self::GuidedPaths { samples: 2_000, step: 0.04, seed: 1 }
     }
 
     fn subset() -> Self {
-        let (samples, correlation, runs) = (500, 0.8, 8);
-        let (step, integrator, seed) = (0.04, None, 1);
-        Self::SubsetSimulation { samples, correlation, runs, step, integrator, seed }
+        Self::SubsetSimulation { samples: 500, correlation: 0.8, runs: 8, step: 0.04, seed: 1 }
     }
 
     fn fit() -> Self {
@@ -198,7 +178,7 @@ impl MethodScene {
         matches!(self, Self::FlowMapFit(lattice) if lattice.filter == Some(FilterScene::Conditioned))
     }
 
-    /// Rejects numbers outside their range, lists of another length, and integrators and schemes of another system.
+    /// Rejects numbers outside their range, lists of another length, and schemes of another system.
     pub(crate) fn check(
         &self,
         system: &System,
@@ -228,10 +208,9 @@ impl MethodScene {
                 let ratio = *support_over_spacing;
                 must(&format!("{path}.support_over_spacing"), ratio, ratio > 0.0, "greater than 0")
             }
-            Self::MonteCarlo { paths, step, integrator, .. } => {
+            Self::MonteCarlo { paths, step, .. } => {
                 must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
-                check_step("method.monte_carlo.step", *step, (system, times))?;
-                check_integrator("method.monte_carlo", *integrator, system)
+                check_step("method.monte_carlo.step", *step, (system, times))
             }
             Self::ConservativeGrid { .. } => self.check_grid(system),
             Self::StatisticalLinearisation { step } => {
@@ -239,20 +218,20 @@ impl MethodScene {
                 must(&format!("{path}.step"), *step, *step > 0.0, "greater than 0")?;
                 check_additive(path, system)
             }
-            Self::GuidedPaths { samples, step, integrator, .. } => {
+            Self::GuidedPaths { samples, step, .. } => {
                 let path = "method.guided_paths";
                 must(&format!("{path}.samples"), *samples as f64, *samples >= 100, "at least 100")?;
                 check_additive(path, system)?;
-                check_path(path, *step, *integrator, (system, initial, times))
+                check_path(path, *step, (system, initial, times))
             }
-            Self::SubsetSimulation { samples, correlation, runs, step, integrator, .. } => {
+            Self::SubsetSimulation { samples, correlation, runs, step, .. } => {
                 let path = "method.subset_simulation";
                 must(&format!("{path}.samples"), *samples as f64, *samples >= 100, "at least 100")?;
                 let (rho, is_between) = (*correlation, *correlation > 0.0 && *correlation < 1.0);
                 must(&format!("{path}.correlation"), rho, is_between, "between 0 and 1")?;
                 let few = (2..=65_536).contains(runs);
                 must(&format!("{path}.runs"), *runs as f64, few, "from 2 to 65536")?;
-                check_path(path, *step, *integrator, (system, initial, times))
+                check_path(path, *step, (system, initial, times))
             }
         }
     }
@@ -313,21 +292,6 @@ fn check_additive(path: &str, system: &System) -> Result<(), Objection> {
     Err(Objection::new(path, message).with_help("use `monte_carlo` or a density method"))
 }
 
-/// Rejects an integrator of another system.
-fn check_integrator(
-    path: &str,
-    integrator: Option<IntegratorScene>,
-    system: &System,
-) -> Result<(), Objection> {
-    let (own, Some(integrator)) = (system.integrator(), integrator) else { return Ok(()) };
-    if integrator == own {
-        return Ok(());
-    }
-    let message = format!("the integrator {} does not apply to this system", integrator.name());
-    Err(Objection::new(format!("{path}.integrator"), message)
-        .with_help(format!("leave it out: paths of this system are by {}", own.name())))
-}
-
 /// Fewest steps of a path in a period: with fewer its bias, which no standard error shows, is of the size of the response.
 const FEWEST_PATH_STEPS: f64 = 8.0;
 
@@ -349,7 +313,6 @@ fn check_step(key: &str, step: f64, (system, times): (&System, &[f64])) -> Resul
 fn check_path(
     path: &str,
     step: f64,
-    integrator: Option<IntegratorScene>,
     (system, initial, times): (&System, &LawScene, &[f64]),
 ) -> Result<(), Objection> {
     let key = format!("{path}.step");
@@ -361,5 +324,5 @@ fn check_path(
         return Err(Objection::new("initial.mixture", message)
             .with_help("use `gaussian`, a mixture of one component, or `monte_carlo`"));
     }
-    check_integrator(path, integrator, system)
+    Ok(())
 }

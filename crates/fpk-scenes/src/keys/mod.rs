@@ -3,7 +3,6 @@
 //! Types are as the JSON is written; each builds what the solver takes. They know no run, file or answer.
 
 pub(crate) mod checks;
-pub mod integrator_scene;
 pub mod lattice_scene;
 pub mod law_scene;
 pub mod method_scene;

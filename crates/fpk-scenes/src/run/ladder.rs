@@ -7,10 +7,10 @@ use scene_runs::kind::RunError;
 use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, whole};
 use scene_runs::scene::{Scene, SceneFile};
 
-use crate::integrator_scene::IntegratorScene;
 use crate::lattice_scene::{FilterScene, LatticeScene};
 use crate::law_scene::LawScene;
 use crate::method_scene::{FEWEST_STEPS_PER_PERIOD, MOST_CELLS, MethodScene};
+use crate::paths::PathIntegrator;
 use crate::scene::{FpkScene, Times};
 use crate::system::System;
 
@@ -207,17 +207,17 @@ fn papers(scene: &Arc<FpkScene>, states: usize) -> Option<(MethodScene, Method)>
 /// Monte Carlo; the step is the scene's if that is its method.
 fn sampled(
     scene: &Arc<FpkScene>,
-    integrator: IntegratorScene,
+    integrator: PathIntegrator,
     period: f64,
 ) -> (MethodScene, Method) {
     let (step, seed) = match &scene.method {
         MethodScene::MonteCarlo { step, seed, .. } => (*step, *seed),
-        _ if integrator == IntegratorScene::EulerMaruyama => {
+        _ if integrator == PathIntegrator::EulerMaruyama => {
             (two_digits(period / STEPS_OF_EULER), SEED)
         }
         _ => (two_digits(period / STEPS_PER_PERIOD), SEED),
     };
-    let of = move |paths: u64| MethodScene::MonteCarlo { paths, step, integrator: None, seed };
+    let of = move |paths: u64| MethodScene::MonteCarlo { paths, step, seed };
     let scene = scene.clone();
     let rung = move |paths: f64| {
         let paths = whole(two_digits(paths));
@@ -244,14 +244,13 @@ const FIRST_OF_LEVEL: usize = 100;
 fn established(scene: &Arc<FpkScene>, system: &System) -> Vec<(MethodScene, Method)> {
     let (cells, per_cell) = FIRST_GRID;
     let steps_per_period = per_cell * cells as f64;
-    let integrator = None;
     let step = two_digits(system.reference_period() / STEPS_PER_PERIOD);
     let (seed, samples, correlation, runs) = (SEED, FIRST_OF_LEVEL, 0.8, 8);
     let all = [
         MethodScene::ConservativeGrid { cells, reach: 8.0, steps_per_period },
         MethodScene::StatisticalLinearisation { step },
-        MethodScene::GuidedPaths { samples: FIRST_GUIDED, step, integrator, seed },
-        MethodScene::SubsetSimulation { samples, correlation, runs, step, integrator, seed },
+        MethodScene::GuidedPaths { samples: FIRST_GUIDED, step, seed },
+        MethodScene::SubsetSimulation { samples, correlation, runs, step, seed },
     ];
     let or_own = |method: MethodScene| {
         let is_own = std::mem::discriminant(&method) == std::mem::discriminant(&scene.method);

@@ -28,9 +28,9 @@ pub(super) struct Resolutions {
 /// An error that runs at all resolutions share.
 #[derive(Debug, Clone, PartialEq)]
 enum Shared {
-    /// None that is known.
+    /// No part is known to be shared.
     None,
-    /// In four states and more, that of the reach of the lattice.
+    /// In four states and more, the part of the reach of the lattice.
     Reach { states: usize },
     /// That of settling too: the run that would show it is missing from a time on, for a reason.
     Settling { states: usize, from: f64, reason: String },

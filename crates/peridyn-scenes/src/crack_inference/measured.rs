@@ -29,7 +29,7 @@ pub struct MeasuredPlate {
 /// All measured plates with their files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// In the order in which the first file names them.
+    /// The plates, in the order in which the first file names them.
     pub plates: Vec<MeasuredPlate>,
     /// The files.
     pub files: Vec<NamedFile>,

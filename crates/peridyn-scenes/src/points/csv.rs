@@ -5,9 +5,9 @@ use super::table::{COLUMNS, MOST_POINTS, Table};
 /// An error with its location.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Wrong {
-    /// In the file.
+    /// The error concerns the whole file.
     File(String),
-    /// In a line.
+    /// The error is in a line.
     Line(u64, String),
 }
 

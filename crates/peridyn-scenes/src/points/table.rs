@@ -11,7 +11,7 @@ pub(super) const MOST_POINTS: usize = 10_000_000;
 pub(super) struct Table {
     /// Names of all its columns.
     pub(super) names: Vec<String>,
-    /// Those of [`COLUMNS`] that it has.
+    /// The columns among [`COLUMNS`] that it has.
     pub(super) columns: [Option<Vec<f64>>; COLUMNS.len()],
     /// Line of each row; none for a format without lines.
     pub(super) lines: Option<Vec<u64>>,

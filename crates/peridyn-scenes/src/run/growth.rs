@@ -19,7 +19,7 @@ pub(super) struct Growth {
     pub(super) times: Vec<f64>,
     /// What these are: symbol and unit.
     pub(super) axis: (&'static str, &'static str),
-    /// By realisation and time, in the order of the realisations that were given.
+    /// Values by realisation and time, in the order of the realisations that were given.
     pub(super) damage: Vec<Vec<Vec<f64>>>,
 }
 

@@ -267,7 +267,7 @@ fn failures(ensemble: &CrackEnsemble) -> Vec<Failure> {
     ensemble.failures().filter_map(failure).collect()
 }
 
-/// Those of the scene, or every fourth spacing from the tip to the exit.
+/// The abscissae of the scene, or every fourth spacing from the tip to the exit.
 fn abscissae(scene: &CrackScene, problem: &CrackProblem) -> Vec<f64> {
     if !scene.output.abscissae.is_empty() {
         return scene.output.abscissae.clone();

@@ -117,7 +117,7 @@ pub struct Advice {
     pub trials: Vec<Trial>,
     /// Combined result of the trials for each quantity.
     pub judgements: Vec<Judgement>,
-    /// For each quantity known well enough: the size that each method requires.
+    /// The size that each method requires, for each quantity that is known well enough.
     pub needs: Vec<Vec<Result<Needed, Unreached>>>,
 }
 

@@ -160,7 +160,7 @@ pub struct JobRecord {
     pub seconds: f64,
     /// Fraction of the time of all ranks spent on blocks.
     pub efficiency: f64,
-    /// In the order of arrival.
+    /// The blocks in the order of arrival.
     pub blocks: Vec<BlockRecord>,
 }
 

@@ -2,6 +2,8 @@
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode, SourceSpan};
 
+use crate::nearest::nearest;
+
 /// Longest line that is displayed (bytes): a longer one, of a file without line breaks, hides what is said of it.
 const WIDEST_DRAWN: usize = 400;
 
@@ -31,7 +33,32 @@ impl Objection {
         Self { path: path.into(), message: message.into(), help: None }
     }
 
-    /// Adds a hint, e.g. `did you mean ...?`.
+    /// An objection to a name that is none of those known, with the nearest of them.
+    #[must_use]
+    pub fn unknown<'a>(
+        path: impl Into<String>,
+        what: &str,
+        name: &str,
+        known: impl IntoIterator<Item = &'a String>,
+    ) -> Self {
+        let known: Vec<&str> = known.into_iter().map(String::as_str).collect();
+        Self::new(path, format!("there is no {what} `{name}`"))
+            .with_nearest(name, &known, || format!("available: {}", known.join(", ")))
+    }
+
+    /// Adds the known name that is nearest to a misspelt one as a hint, else other words.
+    #[must_use]
+    pub fn with_nearest(
+        self,
+        name: &str,
+        known: &[&str],
+        otherwise: impl FnOnce() -> String,
+    ) -> Self {
+        let nearest = nearest(name, known.iter().copied());
+        self.with_help(nearest.map_or_else(otherwise, |it| format!("did you mean `{it}`?")))
+    }
+
+    /// Adds a hint.
     #[must_use]
     pub fn with_help(self, help: impl Into<String>) -> Self {
         Self { help: Some(help.into()), ..self }

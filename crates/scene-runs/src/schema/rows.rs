@@ -9,9 +9,9 @@ pub(super) struct Row<'a> {
     /// Path from the type, e.g. `single_peak.peak_time`.
     pub(super) path: String,
     pub(super) about: &'a str,
-    /// None for a choice.
+    /// Whether the key must be given; none for a choice.
     pub(super) presence: Option<&'a Presence>,
-    /// None for a single word.
+    /// What the value is; none for a single word.
     pub(super) holds: Option<&'a Holds>,
     /// Examples given with the key.
     pub(super) examples: &'a [Value],

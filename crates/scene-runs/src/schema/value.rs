@@ -18,7 +18,7 @@ struct Cut {
 
 const ALL: usize = usize::MAX;
 
-/// From the whole value to its outermost level.
+/// Cuts of a value, from none to its outermost level.
 const CUTS: [Cut; 8] = [
     Cut { depth: ALL, entries: ALL, keys: ALL },
     Cut { depth: ALL, entries: 3, keys: ALL },

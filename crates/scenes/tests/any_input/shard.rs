@@ -67,7 +67,7 @@ pub(crate) static PATHS: LazyLock<Ensemble> = LazyLock::new(|| {
             "natural_frequency": 3, "damping_ratio": 0.05, "noise_intensity": 0.2, "window": "stationary"
           } },
           "initial": { "gaussian": { "mean": [0, 0], "standard_deviation": [0.1, 0.1] } },
-          "method": { "monte_carlo": { "paths": 9000, "step": 0.1, "seed": 1, "integrator": "strang_oscillator" } },
+          "method": { "monte_carlo": { "paths": 9000, "step": 0.1, "seed": 1 } },
           "times": { "until": 0.2, "every": 0.1 },
           "moments": [[2, 0]], "demand": { "state": "q" }, "thresholds": [0.1]
         }"#,

@@ -11,10 +11,9 @@ use crate::fpk::{run_in, whole_and_merged};
 const DAMPER: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
 const OWN: &str = "\"flow_map_fit\": { \"count\": [49, 49], \"reach\": 7 }";
 const LINEARISED: &str = "\"statistical_linearisation\": { \"step\": 0.05 }";
-const GUIDED: &str = "\"guided_paths\": { \"samples\": 2000, \"step\": 0.04, \
-                      \"integrator\": \"strang_oscillator\", \"seed\": 7 }";
+const GUIDED: &str = "\"guided_paths\": { \"samples\": 2000, \"step\": 0.04, \"seed\": 7 }";
 const SUBSET: &str = "\"subset_simulation\": { \"samples\": 300, \"correlation\": 0.8, \"runs\": 8, \
-                      \"step\": 0.04, \"integrator\": \"strang_oscillator\", \"seed\": 6 }";
+                      \"step\": 0.04, \"seed\": 6 }";
 
 /// The scene by a method, only at t = 6.
 fn by(method: &str, thresholds: &str) -> String {
@@ -160,8 +159,7 @@ fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
         let error = run(ALL, &scene, &options, &Progress::silent()).unwrap_err();
         assert!(matches!(error, RunError::NoShards), "{error}");
     }
-    let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.04, \"seed\": 6, \
-                 \"integrator\": \"strang_oscillator\" }";
+    let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.04, \"seed\": 6 }";
     run_in(&folder, &by(paths, "[1]"), Start::Anew).unwrap();
     let error = run_in(&folder, &by(SUBSET, "[1]"), Start::GoOn).unwrap_err().to_string();
     assert!(error.contains("is of another scene"), "{error}");

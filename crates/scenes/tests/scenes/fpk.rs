@@ -143,9 +143,7 @@ fn an_earlier_end_than_that_of_a_checkpoint_is_told_from_it_and_leaves_it_as_it_
 fn another_number_of_paths_than_a_checkpoint_has_is_refused_and_leaves_it_as_it_is() {
     let folder = std::env::temp_dir().join(format!("fpk-fewer-{}", std::process::id()));
     let paths = |n: u64| {
-        let method = format!(
-            "\"monte_carlo\": {{ \"paths\": {n}, \"step\": 0.02, \"seed\": 1, \"integrator\": \"strang_bouc_wen\" }}"
-        );
+        let method = format!("\"monte_carlo\": {{ \"paths\": {n}, \"step\": 0.02, \"seed\": 1 }}");
         SMALL.replace("\"flow_map_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
     };
     run_in(&folder, &paths(200), Start::Anew).unwrap();
@@ -159,9 +157,8 @@ fn another_number_of_paths_than_a_checkpoint_has_is_refused_and_leaves_it_as_it_
 #[test]
 fn times_and_steps_that_would_mislead_are_refused_before_anything_runs() {
     let paths = |step: f64| {
-        let method = format!(
-            "\"monte_carlo\": {{ \"paths\": 200, \"step\": {step}, \"seed\": 1, \"integrator\": \"strang_bouc_wen\" }}"
-        );
+        let method =
+            format!("\"monte_carlo\": {{ \"paths\": 200, \"step\": {step}, \"seed\": 1 }}");
         SMALL.replace("\"flow_map_fit\": { \"spacing\": 0.8, \"reach\": 4 }", &method)
     };
     for (text, path, part) in [

@@ -4,7 +4,6 @@ use std::any::Any;
 use std::collections::BTreeMap;
 
 use perturbation_moments::Jet;
-use scene_runs::nearest::nearest;
 use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -204,11 +203,9 @@ impl ParameterScene {
         };
         if let Some(name) = self.set.keys().find(|name| !names.contains(&name.as_str())) {
             let message = format!("there is no parameter `{name}`");
-            let hint = match nearest(name, names.iter().copied()) {
-                Some(nearest) => format!("did you mean `{nearest}`?"),
-                None => format!("available: {}", names.join(", ")),
-            };
-            return Err(Objection::new(format!("{path}.set.{name}"), message).with_help(hint));
+            let all = || format!("available: {}", names.join(", "));
+            let objection = Objection::new(format!("{path}.set.{name}"), message);
+            return Err(objection.with_nearest(name, names, all));
         }
         for &name in names {
             let of_library = || base.iter().find(|(known, _)| *known == name).map(|(_, v)| *v);
@@ -322,11 +319,9 @@ impl MaterialScene {
             .collect();
         words.iter().find(|(word, _)| word == name).map(|(_, key)| *key).ok_or_else(|| {
             let message = format!("the material has no parameter `{name}`");
-            let hint = match nearest(name, words.iter().map(|(word, _)| word.as_str())) {
-                Some(nearest) => format!("did you mean `{nearest}`?"),
-                None => "e.g. `equation.s1` or `strength.a`".to_owned(),
-            };
-            Objection::new(path, message).with_help(hint)
+            let words: Vec<&str> = words.iter().map(|(word, _)| word.as_str()).collect();
+            Objection::new(path, message)
+                .with_nearest(name, &words, || "e.g. `equation.s1` or `strength.a`".to_owned())
         })
     }
 

@@ -10,4 +10,3 @@ pub mod method_scene;
 pub mod quantity_name;
 pub mod random_field_scene;
 pub mod scene;
-pub(crate) mod unknown_name;

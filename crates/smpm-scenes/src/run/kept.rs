@@ -33,7 +33,7 @@ struct State<'a> {
     past_seconds: f64,
     /// Error that was passed to the study as text.
     failure: Option<RunError>,
-    /// Of each run.
+    /// The pace of each run.
     paces: BTreeMap<String, Pace<'a>>,
     /// No run goes on once one would take too long.
     too_long: Option<TooLong>,

@@ -251,7 +251,7 @@ pub(super) enum SolveError {
 }
 
 impl SolveError {
-    /// Of runs, which object to no key.
+    /// The error of runs, which object to no key.
     pub(super) fn of_runs(self) -> RunError {
         match self {
             Self::Solver(error) => RunError::solver(error),

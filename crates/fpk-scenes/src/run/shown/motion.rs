@@ -4,7 +4,7 @@ use result_pages::{Cells, Frame, Layer, Motion, Place, Scale};
 
 use super::pictures::PlaneAt;
 
-/// Which key turns on the density over time.
+/// The note that names the key for the density over time.
 pub(crate) const ABSENT: &str = "The density over time is not shown: the key \"planes\" of the scene names planes of two states, and times. \
                                 The density methods have it.";
 

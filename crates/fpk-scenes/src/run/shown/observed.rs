@@ -31,7 +31,7 @@ pub(crate) struct WeightsRecord {
 }
 
 impl WeightsRecord {
-    /// Those of guided paths.
+    /// The weights of guided paths.
     pub(crate) const fn of(found: &GuidedEstimate) -> Self {
         Self {
             paths: found.n_paths,

@@ -38,7 +38,7 @@ pub(crate) struct Pictures<'a> {
     states: &'a [&'static str],
     planes: Vec<[usize; 2]>,
     bandwidth: f64,
-    /// Of the clouds; none of a run in memory.
+    /// Folder of the clouds; none of a run in memory.
     folder: Option<PathBuf>,
     seen: PictureData,
     failure: Option<SolverError>,

@@ -66,11 +66,11 @@ pub(crate) enum Probability {
     FirstPassage,
     /// Exceedance at a time, integrated over cells.
     Cell,
-    /// Interpolated between particles.
+    /// Exceedance, interpolated between particles.
     LogInterpolated,
-    /// By the only estimator of a method.
+    /// Exceedance by the only estimator of a method.
     Exceedance,
-    /// Masses counted.
+    /// Exceedance by counted masses.
     Indicator,
 }
 

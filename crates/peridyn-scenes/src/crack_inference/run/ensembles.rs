@@ -39,7 +39,7 @@ type Halted = (String, Vec<f64>, HaltedRun, f64);
 pub(super) struct Ensembles<'a> {
     pub(super) file: &'a SceneFile,
     pub(super) plate: &'a PlateModel,
-    /// None for a run on ranks, which stores blocks.
+    /// The checkpoint; none for a run on ranks, which stores blocks.
     pub(super) checkpoint: Option<&'a Checkpoint>,
     pub(super) progress: &'a Progress,
 }

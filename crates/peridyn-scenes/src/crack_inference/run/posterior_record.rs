@@ -46,9 +46,9 @@ pub(super) struct Quantile {
 pub(super) struct Bin {
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Of the posterior, per unit of the key.
+    /// Density of the posterior, per unit of the key.
     pub(super) posterior: Number,
-    /// Of the prior, per unit of the key.
+    /// Density of the prior, per unit of the key.
     pub(super) prior: f64,
 }
 

@@ -11,7 +11,7 @@ use crate::crack_inference::measured::{SummaryError, summaries};
 /// Probabilities of the ends of a band and of its middle.
 pub(super) const BAND: [f64; 3] = [0.05, 0.5, 0.95];
 
-/// Of the predicted values of one number of a plate.
+/// Statistics of the predicted values of one number of a plate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Band {
     /// Number of values.
@@ -47,7 +47,7 @@ impl Predicted<'_> {
     /// Each summary of the measured plates beside its predicted band.
     pub(super) fn compare(&self, measured: &Summaries) -> Result<Vec<Compared>, SummaryError> {
         let k = measured.n_summaries();
-        // By summary, draw and realisation.
+        // The values by summary, draw and realisation.
         let mut values = vec![Vec::new(); k];
         for ended in self.ensembles {
             let rows = summaries(self.summaries, &ended.records)?;

@@ -63,7 +63,7 @@ pub(super) struct EmulatorRecord {
 /// Lack of fit of one number of the distribution of the summaries.
 #[derive(Debug, Serialize)]
 pub(super) struct Fit {
-    /// In words.
+    /// The component in words.
     pub(super) component: String,
     /// Squared residuals over the variances of finite ensembles; none where an ensemble has the variance zero.
     pub(super) chi_square: Option<f64>,
@@ -133,10 +133,10 @@ pub(super) struct PathBand {
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct BandRecord {
     values: usize,
-    /// Of 5 %.
+    /// The quantile of 5 %.
     pub(super) low: Number,
     pub(super) median: Number,
-    /// Of 95 %.
+    /// The quantile of 95 %.
     pub(super) high: Number,
 }
 

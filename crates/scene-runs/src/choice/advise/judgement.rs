@@ -21,7 +21,7 @@ pub struct Judgement {
     pub scale: f64,
     /// Index of the most accurate trial.
     pub best: usize,
-    /// For each method of the ladder: its errors over `scale`, and its costs.
+    /// Errors over `scale`, and costs, of each method of the ladder.
     pub curves: Vec<Curve>,
 }
 

@@ -59,7 +59,7 @@ impl BuiltIn {
         Ok(scenes)
     }
 
-    /// None for a scene of a kind without a ladder.
+    /// The ladder; none for a scene of a kind without one.
     fn read(
         table: &'static [SceneKind],
         root: &Path,

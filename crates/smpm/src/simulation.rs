@@ -13,7 +13,7 @@ use crate::points::body::Body;
 use crate::points::particle_pass::ParticlePass;
 use crate::points::particles::Particles;
 use crate::points::summary::{Summary, signal_speed};
-use crate::record::snapshot::{Clock, Stored, read, write};
+use crate::record::snapshot::{Clock, read, write};
 use crate::transfer::particle_motion::Pass;
 use crate::transfer::particle_terms::Given;
 use crate::transfer::transfers::particle_to_grid;
@@ -220,11 +220,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
             return Err(error.clone());
         }
         #[cfg(not(test))]
-        let outcome = if const { S::IS_COMPILED && D <= 3 } {
-            compiled_step(self, dt)
-        } else {
-            self.try_step(dt)
-        };
+        let outcome = if const { D <= 3 } { compiled_step(self, dt) } else { self.try_step(dt) };
         // The unit tests run no step.
         #[cfg(test)]
         let outcome = self.try_step(dt);
@@ -421,7 +417,7 @@ impl Limit {
     }
 }
 
-impl<S: Stored, const D: usize> Simulation<S, D> {
+impl<S: Number, const D: usize> Simulation<S, D> {
     /// Writes the state, bit for bit: the columns of every body in the order of memory, with the numbers of the particles.
     ///
     /// # Errors

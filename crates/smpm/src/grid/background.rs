@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use simd_lanes::dispatch;
+use simd_lanes::dispatch_narrow;
 
 use crate::config::{Config, Contact};
 use crate::error::Error;
@@ -179,7 +179,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
         let (friction, cell) = (self.friction, self.lattice.cell);
         let both = (&mut self.nodes[..], &mut self.masses[..]);
         for_each_pair_of_chunks(both, n_fields * tile_len(D), &|slot, owned, masses| {
-            dispatch(
+            dispatch_narrow(
                 #[inline(always)]
                 || {
                     let acts = |plane: &Plane| {

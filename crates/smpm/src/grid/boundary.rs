@@ -1,6 +1,8 @@
 //! Planes of the grid at which the motion is prescribed.
 
-use crate::error::{Error, not_negative, positive};
+use constitutive_models::{not_negative, positive};
+
+use crate::error::Error;
 use crate::grid::tile_size::signed;
 use crate::number::Number;
 

@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use perturbation_moments::{Real, when};
-use simd_lanes::{Mask, dispatch};
+use simd_lanes::{Mask, dispatch_narrow};
 
 use crate::config::BulkViscosity;
 use crate::grid::binning::permute;
@@ -81,15 +81,16 @@ pub(crate) struct Points<M: Material<S>, S: Number> {
 impl<M: Material<S>, S: Number> Points<M, S> {
     /// All particles as they start, at their places.
     pub(crate) fn at_start(material: M, plane: bool, places: &[[f64; 3]]) -> Self {
-        let states = places.iter().map(|&place| material.start(place)).collect();
-        Self::of_states(material, plane, states)
+        let states: Vec<M::State> = places.iter().map(|&place| material.start(place)).collect();
+        Self::of_states(material, plane, &states)
     }
 
     /// Particles in these states.
     #[inline(never)]
-    pub(crate) fn of_states(material: M, plane: bool, states: Vec<M::State>) -> Self {
+    pub(crate) fn of_states(material: M, plane: bool, states: &[M::State]) -> Self {
         let at_start = |state| Condition::at_start(&material, state);
         let conditions = Conditions::of(states.iter().map(at_start));
+        let states = states.to_vec();
         Self { density: material.density(), material, plane, states, conditions }
     }
 }
@@ -211,7 +212,7 @@ impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
         let (of, plane) = ((self.material, self.density), self.plane);
         let (states, mut conditions) =
             (&mut self.states[range.clone()], self.conditions.part(range));
-        dispatch(
+        dispatch_narrow(
             #[inline(always)]
             || {
                 let mut first = None;

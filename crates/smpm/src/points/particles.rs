@@ -184,7 +184,7 @@ impl<S: Number, const D: usize> Chunk<'_, S, D> {
 }
 
 /// What snapshots hold of a particle besides its material; columns that the configuration leaves out are `None`.
-pub(crate) struct Row<S, const D: usize> {
+pub(crate) struct ParticleNumbers<S, const D: usize> {
     position: [S; D],
     velocity: [S; D],
     affine: Option<[[S; D]; D]>,
@@ -192,7 +192,7 @@ pub(crate) struct Row<S, const D: usize> {
     reference_volume: f64,
 }
 
-impl<S: Number, const D: usize> Row<S, D> {
+impl<S: Number, const D: usize> ParticleNumbers<S, D> {
     pub(crate) fn of(particles: &Particles<S, D>, place: usize) -> Self {
         Self {
             position: particles.position[place],

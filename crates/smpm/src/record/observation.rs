@@ -5,7 +5,9 @@ use std::str::FromStr;
 
 use perturbation_moments::Scalar;
 
-use crate::error::{Error, finite};
+use constitutive_models::finite;
+
+use crate::error::Error;
 use crate::number::Number;
 use crate::points::body::Body;
 use crate::record::interpolation::linear;

@@ -87,9 +87,6 @@ impl<V: Lanes<Number = f64>> Moments<V> {
             first = first + shift.first[l] * registers.splat(self.value[next[t][l]]);
         }
         store(registers, first, (to, 1), at);
-        if S::ORDER < 2 {
-            return;
-        }
         let mut second = self.second[t];
         for l in 0..D {
             let slope = self.first[next[t][l]];
@@ -157,8 +154,6 @@ impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODE
                 #[inline(always)]
                 |i| load(registers, entry.of(&nodes[i]), 1, at),
             );
-        }
-        if S::ORDER > 1 {
             second = weights.gather(
                 (nothing, times),
                 highest,

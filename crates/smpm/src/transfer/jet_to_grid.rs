@@ -131,20 +131,13 @@ impl<V: Lanes<Number = f64>> Coefficients<V> {
 
     /// Adds those of a number times derivative `t` of the shape function.
     #[inline(always)]
-    fn add<S: Number, const D: usize>(
-        &mut self,
-        (number, t): (&Part<V>, usize),
-        shift: &Shift<V, D>,
-    ) {
+    fn add<const D: usize>(&mut self, (number, t): (&Part<V>, usize), shift: &Shift<V, D>) {
         let next = &Derivatives::<D>::NEXT;
         let (value, first) = (number.first.splat(number.value), number.first);
         self.first[t] = self.first[t] + first;
         for l in 0..D {
             let by = &mut self.first[next[t][l]];
             *by = *by + value * shift.first[l];
-        }
-        if S::ORDER < 2 {
-            return;
         }
         self.second[t] = self.second[t] + number.second;
         let twice = first + first;
@@ -296,7 +289,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
         let nodes = &mut self.nodes[node..node + nodes_spanned::<NODES, D>()];
         for c in 0..D {
             let mut momentum = none;
-            momentum.add::<S, D>((&parts.momentum[c], 0), shift);
+            momentum.add::<D>((&parts.momentum[c], 0), shift);
             spread(
                 registers,
                 (&momentum, None),
@@ -309,7 +302,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
             if self.transfer.affine {
                 for l in 0..D {
                     let mut growth = none;
-                    growth.add::<S, D>((&parts.growth[l][c], 0), shift);
+                    growth.add::<D>((&parts.growth[l][c], 0), shift);
                     spread(
                         registers,
                         (&growth, Some(l)),
@@ -325,10 +318,10 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
                 let mut force = none;
                 for l in 0..D {
                     let slope = Derivatives::<D>::NEXT[0][l];
-                    force.add::<S, D>((&parts.force[l][c], slope), shift);
+                    force.add::<D>((&parts.force[l][c], slope), shift);
                 }
                 if self.transfer.body_force {
-                    force.add::<S, D>((&parts.body_force[c], 0), shift);
+                    force.add::<D>((&parts.body_force[c], 0), shift);
                 }
                 spread(
                     registers,
@@ -354,7 +347,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
     ) {
         let masses = &mut self.masses[node..node + nodes_spanned::<NODES, D>()];
         let mut mass = Coefficients::none(registers.splat(-0.0));
-        mass.add::<S, D>((of, 0), shift);
+        mass.add::<D>((of, 0), shift);
         spread(
             registers,
             (&mass, None),
@@ -384,7 +377,7 @@ fn spread<R: Registers<f64>, S: Number, T, const NODES: usize, const D: usize>(
         #[inline(always)]
         |i, part| add(registers, part, (entry(&mut nodes[i]), 1), at),
     );
-    if S::ORDER > 1 {
+    if S::ORDER > 0 {
         weights.spread(
             (&of.second, times),
             2 + slopes,

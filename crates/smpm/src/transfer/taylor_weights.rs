@@ -238,9 +238,7 @@ impl<V: Lanes<Number = f64>, const D: usize> Shift<V, D> {
         let per_cell = registers.splat(per_cell);
         for k in 0..D {
             first[k] = load(registers, &position[k], 1, at) * per_cell;
-            if S::ORDER > 1 {
-                second[k] = load(registers, &position[k], 2, at) * per_cell;
-            }
+            second[k] = load(registers, &position[k], 2, at) * per_cell;
         }
         Self { first, second }
     }

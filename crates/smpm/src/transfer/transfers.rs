@@ -1,7 +1,5 @@
 //! The transfers between particles and grid: `f64` in lanes, numbers with derivatives one particle at a time.
 
-use std::any::Any;
-
 use simd_lanes::SimdLevel;
 
 use crate::config::Config;
@@ -30,18 +28,15 @@ type ToParticles<S, const D: usize> = fn(
 );
 
 /// Transfers of particles in lanes.
-struct InLanes<S: Number, const D: usize> {
+pub(crate) struct InLanes<S: Number, const D: usize> {
     to_grid: ToGrid<S, D>,
     to_particles: ToParticles<S, D>,
 }
 
 impl<const D: usize> InLanes<f64, D> {
-    const HERE: Self = Self { to_grid: groups_to_grid::<D>, to_particles: grid_to_groups::<D> };
+    pub(crate) const HERE: Self =
+        Self { to_grid: groups_to_grid::<D>, to_particles: grid_to_groups::<D> };
 }
-
-static IN_ONE: InLanes<f64, 1> = InLanes::HERE;
-static IN_TWO: InLanes<f64, 2> = InLanes::HERE;
-static IN_THREE: InLanes<f64, 3> = InLanes::HERE;
 
 /// Sums what is `given` at the nodes of all blocks, under the gravity of the step.
 pub(crate) fn particle_to_grid<S: Number, const D: usize>(
@@ -51,10 +46,10 @@ pub(crate) fn particle_to_grid<S: Number, const D: usize>(
     given: Given,
 ) {
     let transfer = ParticleToGrid { gravity, ..ParticleToGrid::of(config, given) };
-    let in_lanes = in_lanes::<S, D>();
+    let in_lanes = S::transfers_in_lanes::<D>();
     grid.sum_in_blocks(given != Given::Momentum, |slot, first, nodes, masses| {
         for body in bodies {
-            if let Some(in_lanes) = in_lanes
+            if let Some(in_lanes) = &in_lanes
                 && body.n_particles() >= LANES
             {
                 let level = SimdLevel::best();
@@ -73,19 +68,13 @@ pub(crate) fn grid_to_particle<S: Number, const D: usize>(
     chunk: &mut Chunk<'_, S, D>,
     gradients: &mut VelocityGradients<S>,
 ) {
-    if let Some(in_lanes) = in_lanes::<S, D>()
+    if let Some(in_lanes) = S::transfers_in_lanes::<D>()
         && chunk.len() >= LANES
     {
         (in_lanes.to_particles)(SimdLevel::best(), transfer, grid, (chunk, gradients));
     } else {
         transfer.one_by_one(grid, chunk, gradients);
     }
-}
-
-/// The transfers in lanes, for `f64`.
-fn in_lanes<S: Number, const D: usize>() -> Option<&'static InLanes<S, D>> {
-    let all: [&'static dyn Any; 3] = [&IN_ONE, &IN_TWO, &IN_THREE];
-    all.into_iter().find_map(<dyn Any>::downcast_ref)
 }
 
 #[cfg(test)]
@@ -199,7 +188,7 @@ mod tests {
                     let alone = with(&|nodes, masses| {
                         transfer.one_by_one(&body, slot, (first, nodes, masses));
                     });
-                    let to_grid = in_lanes::<f64, D>().unwrap().to_grid;
+                    let to_grid = InLanes::<f64, D>::HERE.to_grid;
                     let mut bits = vec![];
                     for level in SimdLevel::available() {
                         let sums = with(&|nodes, masses| {
@@ -258,7 +247,7 @@ mod tests {
 
     fn check_to_particles<const D: usize>() {
         for_each_scene::<D>(|name, config, scene| {
-            let to_particles = in_lanes::<f64, D>().unwrap().to_particles;
+            let to_particles = InLanes::<f64, D>::HERE.to_particles;
             for pass in [Pass::Velocity, Pass::StressAndMove] {
                 let alone = written(config, pass, scene(), |transfer, grid, chunk, gradients| {
                     transfer.one_by_one(grid, chunk, gradients);

@@ -10,7 +10,6 @@ mod custom_keep;
 mod custom_material;
 mod derivatives;
 mod invariants;
-mod plate_impact;
 mod restart;
 mod uncertainty;
 mod varying;

@@ -8,7 +8,7 @@ use scenes::smpm::method_scene::MethodScene;
 use scenes::smpm::reading::MOST_RANDOM;
 use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Simulation;
-use smpm::uncertainty::{Experiment, Inputs};
+use smpm::uncertainty::Experiment;
 
 use super::factor::Slide;
 use crate::case::CaseError;

@@ -1,31 +1,20 @@
 //! The number type of a run.
 
-#![allow(private_interfaces, reason = "no other crate can name the trait whose methods have them")]
-
-use constitutive_models::Model;
 use perturbation_moments::{Jet, LANES, Scalar};
 
 use self::sealed::Carried;
-use crate::points::compiled_points::{
-    Boxed, points_in_lanes, points_of_jets, varying_points_in_lanes, varying_points_of_jets,
-};
-use crate::transfer::transfers::InLanes;
 
 /// A number that particles and nodes carry: `f64`, or a [`Jet`], which carries the derivatives of its history.
 ///
 /// A material may be computed with any [`Scalar`]; a run takes one of these two. Shape functions are `f64` in the transfer, with
 /// their derivatives.
-pub trait Number: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static {}
+pub trait CarriedNumber: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static {}
 
-impl<S: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static> Number for S {}
+impl<S: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static> CarriedNumber for S {}
 
-/// What the transfer knows of a number; it keeps [`Number`] to the types for which that is written.
+/// What the transfer knows of a number; it keeps [`CarriedNumber`] to the types for which that is written.
 pub(crate) mod sealed {
-    use constitutive_models::Model;
     use perturbation_moments::LANES;
-
-    use crate::points::compiled_points::Boxed;
-    use crate::transfer::transfers::InLanes;
 
     /// A number whose derivatives the transfer knows.
     pub trait Carried: Sized {
@@ -49,21 +38,6 @@ pub(crate) mod sealed {
 
         /// From its parts: `part(k)` is number `k`.
         fn from_parts(part: impl Fn(usize) -> f64) -> Self;
-
-        /// The transfers of several particles at once, if there are any.
-        fn transfers_in_lanes<const D: usize>() -> Option<InLanes<Self, D>>
-        where
-            Self: super::Number;
-
-        /// The particles of a body, at their places; whether the motion stays in the plane of the first two axes.
-        fn points(model: &Model<Self>, plane: bool, places: &[[f64; 3]]) -> Boxed<Self>;
-
-        /// The same of a material whose constants vary, by that of each particle; `None` where they cannot.
-        fn varying_points(
-            models: &[Model<Self>],
-            plane: bool,
-            places: &[[f64; 3]],
-        ) -> Option<Boxed<Self>>;
     }
 }
 
@@ -94,22 +68,6 @@ impl Carried for f64 {
 
     fn from_parts(part: impl Fn(usize) -> f64) -> Self {
         part(0)
-    }
-
-    fn transfers_in_lanes<const D: usize>() -> Option<InLanes<Self, D>> {
-        Some(InLanes::HERE)
-    }
-
-    fn points(model: &Model<Self>, plane: bool, places: &[[f64; 3]]) -> Boxed<Self> {
-        points_in_lanes(model, plane, places)
-    }
-
-    fn varying_points(
-        models: &[Model<Self>],
-        plane: bool,
-        places: &[[f64; 3]],
-    ) -> Option<Boxed<Self>> {
-        varying_points_in_lanes(models, plane, places)
     }
 }
 
@@ -156,22 +114,6 @@ impl Carried for Jet {
             first: std::array::from_fn(|k| part(1 + k)),
             second: std::array::from_fn(|k| part(1 + LANES + k)),
         }
-    }
-
-    fn transfers_in_lanes<const D: usize>() -> Option<InLanes<Self, D>> {
-        None
-    }
-
-    fn points(model: &Model<Self>, plane: bool, places: &[[f64; 3]]) -> Boxed<Self> {
-        points_of_jets(model, plane, places)
-    }
-
-    fn varying_points(
-        models: &[Model<Self>],
-        plane: bool,
-        places: &[[f64; 3]],
-    ) -> Option<Boxed<Self>> {
-        varying_points_of_jets(models, plane, places)
     }
 }
 

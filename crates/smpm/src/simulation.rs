@@ -8,7 +8,7 @@ use crate::grid::background::{Grid, Solve};
 use crate::grid::boundary::{Plane, Side};
 use crate::grid::surfaces::sum_surfaces;
 use crate::grid::tile_size::MOST_NODES;
-use crate::number::{Number, is_plain};
+use crate::number::{CarriedNumber, is_plain};
 use crate::points::body::Body;
 use crate::points::particle_pass::ParticlePass;
 use crate::points::particles::Particles;
@@ -79,7 +79,7 @@ struct Limit {
     particle: usize,
 }
 
-impl<S: Number, const D: usize> Simulation<S, D> {
+impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// Checks everything once.
     ///
     /// # Errors
@@ -398,7 +398,7 @@ impl Limit {
     }
 
     /// Of a state before the first step.
-    fn of<S: Number, const D: usize>(config: &Config<D>, bodies: &[Body<S, D>]) -> Self {
+    fn of<S: CarriedNumber, const D: usize>(config: &Config<D>, bodies: &[Body<S, D>]) -> Self {
         let mut limit = Self { dt: f64::INFINITY, body: 0, particle: 0 };
         for (number, body) in bodies.iter().enumerate() {
             let conditions = body.points.conditions();
@@ -417,7 +417,7 @@ impl Limit {
     }
 }
 
-impl<S: Number, const D: usize> Simulation<S, D> {
+impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// Writes the state, bit for bit: the columns of every body in the order of memory, with the numbers of the particles.
     ///
     /// # Errors
@@ -455,7 +455,7 @@ fn check_room(planes: &[Plane]) -> Result<(), Error> {
     Ok(())
 }
 
-fn check_places<S: Number, const D: usize>(
+fn check_places<S: CarriedNumber, const D: usize>(
     config: &Config<D>,
     body: usize,
     of: &Body<S, D>,

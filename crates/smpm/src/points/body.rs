@@ -4,7 +4,8 @@ use std::sync::OnceLock;
 
 use crate::error::Error;
 use crate::grid::binning::Binning;
-use crate::number::Number;
+use crate::number::CarriedNumber;
+use crate::points::compiled_points::Number;
 use crate::points::fill::Fill;
 use crate::points::material_points::{MaterialPoints, Points};
 use crate::points::particles::{Chunk, ParticleNumbers, Particles};
@@ -69,21 +70,6 @@ impl<S: Number, const D: usize> Body<S, D> {
         Self::of(&|_| density, fill, velocity, |places| S::points(&model, plane, places))
     }
 
-    /// Particles of a material from outside, one by one, compiled for the caller.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn one_by_one<M: Material<S, State: 'static> + 'static>(
-        material: M,
-        fill: &Fill<D>,
-        velocity: [f64; D],
-    ) -> Result<Self, Error> {
-        let density = material.density();
-        Self::of(&|_| density, fill, velocity, |places| {
-            Box::new(Points::at_start(material, D < 3, places))
-        })
-    }
-
     /// Particles of a material whose constants differ from particle to particle, all with one velocity: `material` makes that of
     /// a particle, by its number and place. Density, and so mass, may vary too.
     ///
@@ -125,6 +111,23 @@ impl<S: Number, const D: usize> Body<S, D> {
         let points =
             S::varying_points(&models, D < 3, &places).ok_or(Error::ConstantsCannotVary)?;
         Self::of(&|particle| models[particle].density(), fill, velocity, |_| points)
+    }
+}
+
+impl<S: CarriedNumber, const D: usize> Body<S, D> {
+    /// Particles of a material from outside, one by one, compiled for the caller.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn one_by_one<M: Material<S, State: 'static> + 'static>(
+        material: M,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Self, Error> {
+        let density = material.density();
+        Self::of(&|_| density, fill, velocity, |places| {
+            Box::new(Points::at_start(material, D < 3, places))
+        })
     }
 
     fn of(

@@ -4,6 +4,7 @@
 use constitutive_models::{Model, Varying};
 use perturbation_moments::Jet;
 
+use crate::number::CarriedNumber;
 use crate::points::material_points::{MaterialPoints, Points};
 use crate::points::points_in_lanes::PointsInLanes;
 
@@ -58,29 +59,48 @@ macro_rules! of_those_that_vary {
     };
 }
 
-/// The points of bodies over a number type: of a model, and of one whose constants vary.
-macro_rules! points {
-    ($of_model:ident, $varying:ident: $number:ty, $points:ident) => {
-        pub(crate) fn $of_model(
-            model: &Model<$number>,
-            plane: bool,
-            places: &[[f64; 3]],
-        ) -> Boxed<$number> {
-            of_each!(model, material => Box::new($points::at_start(*material, plane, places)))
-        }
+/// A number of which bodies are made: `f64`, or a [`Jet`], which carries the derivatives of its history.
+///
+/// A material may be computed with any [`Scalar`](crate::Scalar); a run takes one of these two.
+pub trait Number: CarriedNumber {
+    /// The particles of a body, at their places; whether the motion stays in the plane of the first two axes.
+    #[doc(hidden)]
+    #[allow(private_interfaces, reason = "a number is one of this crate's")]
+    fn points(model: &Model<Self>, plane: bool, places: &[[f64; 3]]) -> Boxed<Self>;
 
-        pub(crate) fn $varying(
-            models: &[Model<$number>],
-            plane: bool,
-            places: &[[f64; 3]],
-        ) -> Option<Boxed<$number>> {
-            of_those_that_vary!(models, materials => {
-                let starts = Varying::starts::<$number>(&materials, places);
-                Box::new($points::of_states(Varying::like(materials[0]), plane, &starts))
-            }; Elastic, ShockedPlastic, Metal)
+    /// The same of a material whose constants vary, by that of each particle; `None` where they cannot.
+    #[doc(hidden)]
+    #[allow(private_interfaces, reason = "a number is one of this crate's")]
+    fn varying_points(
+        models: &[Model<Self>],
+        plane: bool,
+        places: &[[f64; 3]],
+    ) -> Option<Boxed<Self>>;
+}
+
+/// Bodies over a number type.
+macro_rules! number {
+    ($number:ty, $points:ident) => {
+        #[allow(private_interfaces, reason = "a number is one of this crate's")]
+        impl Number for $number {
+            fn points(model: &Model<Self>, plane: bool, places: &[[f64; 3]]) -> Boxed<Self> {
+                of_each!(model, material => Box::new($points::at_start(*material, plane, places)))
+            }
+
+            fn varying_points(
+                models: &[Model<Self>],
+                plane: bool,
+                places: &[[f64; 3]],
+            ) -> Option<Boxed<Self>> {
+                of_those_that_vary!(models, materials => {
+                    let starts = Varying::starts::<$number>(&materials, places);
+                    Box::new($points::of_states(Varying::like(materials[0]), plane, &starts))
+                }; Elastic, ShockedPlastic, Metal)
+            }
         }
     };
 }
 
-points! { points_in_lanes, varying_points_in_lanes: f64, PointsInLanes }
-points! { points_of_jets, varying_points_of_jets: Jet, Points }
+// Several particles at once; one by one.
+number!(f64, PointsInLanes);
+number!(Jet, Points);

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use particle_store::{Attribute, ParticleStore};
 
 use crate::error::Error;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 
 /// What a simulation holds besides its particles.
@@ -27,7 +27,7 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    fn of<S: Number, const D: usize>(body: &Body<S, D>) -> Option<Self> {
+    fn of<S: CarriedNumber, const D: usize>(body: &Body<S, D>) -> Option<Self> {
         let number = body.particles.number.clone();
         let mut columns: Vec<Vec<f64>> = vec![];
         for place in 0..number.len() {
@@ -48,7 +48,7 @@ impl Columns {
         Some(Self { number, columns })
     }
 
-    fn put<S: Number, const D: usize>(&self, body: &mut Body<S, D>) {
+    fn put<S: CarriedNumber, const D: usize>(&self, body: &mut Body<S, D>) {
         body.particles.number.clone_from(&self.number);
         for place in 0..self.number.len() {
             let mut next = 0;
@@ -67,7 +67,7 @@ fn name(column: usize, parts: usize) -> String {
 }
 
 /// Writes all bodies, one store after the other; the clock is in each.
-pub(crate) fn write<S: Number, const D: usize>(
+pub(crate) fn write<S: CarriedNumber, const D: usize>(
     bodies: &[Body<S, D>],
     clock: Clock,
     mut writer: impl Write,
@@ -100,7 +100,7 @@ pub(crate) fn write<S: Number, const D: usize>(
 }
 
 /// Reads what was written for bodies like these; they are changed only if all of it fits.
-pub(crate) fn read<S: Number, const D: usize>(
+pub(crate) fn read<S: CarriedNumber, const D: usize>(
     bodies: &mut [Body<S, D>],
     mut reader: impl Read,
 ) -> Result<Clock, Error> {

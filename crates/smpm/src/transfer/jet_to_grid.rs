@@ -19,7 +19,7 @@ use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 
 use crate::grid::node::Node;
 use crate::grid::tile_size::block_edge;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 use crate::transfer::particle_terms::{ENTRY, Given, ParticleToGrid, Run};
 use crate::transfer::shape::{Shape, nodes_along, nodes_spanned};
@@ -43,7 +43,7 @@ struct JetToGrid<'a, S, const D: usize, const NODES: usize> {
 
 impl<const D: usize> ParticleToGrid<D> {
     /// Adds the particles of a body in a tile, one by one, to the tile's blocks from node number `first` on.
-    pub(crate) fn one_by_one<S: Number>(
+    pub(crate) fn one_by_one<S: CarriedNumber>(
         self,
         body: &Body<S, D>,
         slot: usize,
@@ -72,7 +72,11 @@ struct Part<V> {
 
 impl<V: Lanes<Number = f64>> Part<V> {
     #[inline(always)]
-    fn load<S: Number, R: Registers<f64, Vector = V>>(registers: R, number: &S, at: usize) -> Self {
+    fn load<S: CarriedNumber, R: Registers<f64, Vector = V>>(
+        registers: R,
+        number: &S,
+        at: usize,
+    ) -> Self {
         let (first, second) = (load(registers, number, 1, at), load(registers, number, 2, at));
         Self { value: number.value(), first, second }
     }
@@ -155,7 +159,7 @@ impl<V: Lanes<Number = f64>> Coefficients<V> {
     }
 }
 
-impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
+impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
     /// Adds what the particles give; wide registers hold derivatives alone.
     fn add_all(self) {
         if const { S::ORDER > 0 } {
@@ -363,7 +367,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
 /// Adds the derivatives of a number times the shape function, or times slopes of it (`slopes` is then 1), to `entry` of every
 /// node.
 #[inline(always)]
-fn spread<R: Registers<f64>, S: Number, T, const NODES: usize, const D: usize>(
+fn spread<R: Registers<f64>, S: CarriedNumber, T, const NODES: usize, const D: usize>(
     registers: R,
     (of, times): (&Coefficients<R::Vector>, Option<usize>),
     weights: &TaylorWeights<NODES, D>,
@@ -387,7 +391,9 @@ fn spread<R: Registers<f64>, S: Number, T, const NODES: usize, const D: usize>(
     }
 }
 
-impl<S: Number, const D: usize, const NODES: usize> Work<f64> for JetToGrid<'_, S, D, NODES> {
+impl<S: CarriedNumber, const D: usize, const NODES: usize> Work<f64>
+    for JetToGrid<'_, S, D, NODES>
+{
     type Output = ();
 
     #[inline(always)]

@@ -1,11 +1,13 @@
 //! The transfers between particles and grid: `f64` in lanes, numbers with derivatives one particle at a time.
 
+use std::any::Any;
+
 use simd_lanes::SimdLevel;
 
 use crate::config::Config;
 use crate::grid::background::Grid;
 use crate::grid::node::Node;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 use crate::points::particles::Chunk;
 use crate::transfer::grid_to_group::grid_to_groups;
@@ -28,28 +30,31 @@ type ToParticles<S, const D: usize> = fn(
 );
 
 /// Transfers of particles in lanes.
-pub(crate) struct InLanes<S: Number, const D: usize> {
+struct InLanes<S: CarriedNumber, const D: usize> {
     to_grid: ToGrid<S, D>,
     to_particles: ToParticles<S, D>,
 }
 
 impl<const D: usize> InLanes<f64, D> {
-    pub(crate) const HERE: Self =
-        Self { to_grid: groups_to_grid::<D>, to_particles: grid_to_groups::<D> };
+    const HERE: Self = Self { to_grid: groups_to_grid::<D>, to_particles: grid_to_groups::<D> };
 }
 
+static IN_ONE: InLanes<f64, 1> = InLanes::HERE;
+static IN_TWO: InLanes<f64, 2> = InLanes::HERE;
+static IN_THREE: InLanes<f64, 3> = InLanes::HERE;
+
 /// Sums what is `given` at the nodes of all blocks, under the gravity of the step.
-pub(crate) fn particle_to_grid<S: Number, const D: usize>(
+pub(crate) fn particle_to_grid<S: CarriedNumber, const D: usize>(
     grid: &mut Grid<S, D>,
     bodies: &[Body<S, D>],
     (config, gravity): (&Config<D>, [f64; D]),
     given: Given,
 ) {
     let transfer = ParticleToGrid { gravity, ..ParticleToGrid::of(config, given) };
-    let in_lanes = S::transfers_in_lanes::<D>();
+    let in_lanes = in_lanes::<S, D>();
     grid.sum_in_blocks(given != Given::Momentum, |slot, first, nodes, masses| {
         for body in bodies {
-            if let Some(in_lanes) = &in_lanes
+            if let Some(in_lanes) = in_lanes
                 && body.n_particles() >= LANES
             {
                 let level = SimdLevel::best();
@@ -62,19 +67,25 @@ pub(crate) fn particle_to_grid<S: Number, const D: usize>(
 }
 
 /// Updates all particles of a chunk as a pass requires; writes their velocity gradients.
-pub(crate) fn grid_to_particle<S: Number, const D: usize>(
+pub(crate) fn grid_to_particle<S: CarriedNumber, const D: usize>(
     transfer: &GridToParticle<D>,
     grid: &Grid<S, D>,
     chunk: &mut Chunk<'_, S, D>,
     gradients: &mut VelocityGradients<S>,
 ) {
-    if let Some(in_lanes) = S::transfers_in_lanes::<D>()
+    if let Some(in_lanes) = in_lanes::<S, D>()
         && chunk.len() >= LANES
     {
         (in_lanes.to_particles)(SimdLevel::best(), transfer, grid, (chunk, gradients));
     } else {
         transfer.one_by_one(grid, chunk, gradients);
     }
+}
+
+/// The transfers in lanes, for `f64`.
+fn in_lanes<S: CarriedNumber, const D: usize>() -> Option<&'static InLanes<S, D>> {
+    let all: [&'static dyn Any; 3] = [&IN_ONE, &IN_TWO, &IN_THREE];
+    all.into_iter().find_map(<dyn Any>::downcast_ref)
 }
 
 #[cfg(test)]

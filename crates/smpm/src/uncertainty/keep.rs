@@ -3,7 +3,7 @@
 use std::error::Error as StdError;
 
 use crate::error::Error;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::record::gathered::{Gathered, Schedule, Witness};
 use crate::record::observation::{Located, Plan, Window, stops};
 use crate::simulation::Simulation;
@@ -50,7 +50,7 @@ pub struct SavedRun {
 
 impl SavedRun {
     /// Of a run.
-    fn of<S: Number, T: Number, const D: usize>(
+    fn of<S: CarriedNumber, T: CarriedNumber, const D: usize>(
         simulation: &Simulation<S, D>,
         gathered: &Gathered<T>,
         windows: &[Window],
@@ -125,7 +125,7 @@ impl SavedRun {
     }
 
     /// What the windows of a plan have gathered; the witness receives its earlier record.
-    fn gathered<S, T: Number, const D: usize>(
+    fn gathered<S, T: CarriedNumber, const D: usize>(
         self,
         plan: &Plan<D>,
         which: &[Option<usize>],
@@ -183,7 +183,7 @@ impl<W> SavingWitness<'_, W> {
     }
 }
 
-impl<S: Number, T: Number, W: Witness<S, T, D>, const D: usize> Witness<S, T, D>
+impl<S: CarriedNumber, T: CarriedNumber, W: Witness<S, T, D>, const D: usize> Witness<S, T, D>
     for SavingWitness<'_, W>
 {
     fn begin(

@@ -2,7 +2,7 @@
 
 use super::keep::{Keep, SavingWitness};
 use crate::error::Error;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::record::gathered::{Plain, Reader, Record, Schedule, Witness};
 use crate::record::observation::Plan;
 use crate::simulation::Simulation;
@@ -30,7 +30,7 @@ impl<'a, const D: usize> Runs<'a, D> {
     }
 
     /// A run by the steps of the reference run, resumed where it was kept under its name, if it was.
-    pub(super) fn follow<S: Number, T: Number, W: Witness<S, T, D>>(
+    pub(super) fn follow<S: CarriedNumber, T: CarriedNumber, W: Witness<S, T, D>>(
         &self,
         run: String,
         simulation: &mut Simulation<S, D>,

@@ -10,6 +10,7 @@ mod custom_keep;
 mod custom_material;
 mod derivatives;
 mod invariants;
+mod plate_impact;
 mod restart;
 mod uncertainty;
 mod varying;

@@ -15,10 +15,10 @@
 use std::hint::black_box;
 
 use benches::ratios::{Ratios, Work};
-use perturbation_moments::{Gradient, Jet};
+use perturbation_moments::Jet;
 use rayon::ThreadPoolBuilder;
 use smpm::material::{
-    JohnsonCook, LinearElasticParameters, LinearElasticSolid, Material, MieGruneisen, Solid, Units,
+    JohnsonCook, LinearElasticParameters, LinearElasticSolid, MieGruneisen, Model, Solid, Units,
     library,
 };
 use smpm::{Body, BulkViscosity, Config, Fill, Number, Shape, Simulation, Transfer};
@@ -41,15 +41,12 @@ const SCHEMES: [(&str, Shape, Transfer); 3] = [
     ("cubic", Shape::CubicBSpline, Transfer::Flip),
 ];
 
-fn square<S: Number, M: Material<S> + 'static>(
+fn square<S: Number>(
     (edge, per_axis): (u32, u32),
-    material: M,
+    material: impl Into<Model<S>>,
     speed: f64,
     (shape, transfer): (Shape, Transfer),
-) -> Simulation<S, 2>
-where
-    M::State: 'static,
-{
+) -> Simulation<S, 2> {
     let spacing = 1.0 / f64::from(edge);
     let cell = f64::from(per_axis) * spacing;
     let fill = Fill::of([spacing; 2], ([0.0; 2], [1.0; 2]), |_| true).unwrap();
@@ -184,14 +181,11 @@ fn overheads(ratios: &mut Ratios) {
     const DERIVATIVES: &str = "5 derivatives";
     if ratios.wants(DERIVATIVES) {
         let mut plain = steel(|value, _| value);
-        let (mut gradients, mut jets) = (steel(Gradient::variable), steel(Jet::variable));
+        let mut jets = steel(Jet::variable);
         let n = plain.bodies()[0].n_particles();
         ratios.measure(
             Work::new(DERIVATIVES, n, "f64", || {
                 let _ = black_box(plain.step().unwrap());
-            })
-            .rival("Gradient, first alone", || {
-                let _ = black_box(gradients.step().unwrap());
             })
             .rival("Jet, first and second", || {
                 let _ = black_box(jets.step().unwrap());

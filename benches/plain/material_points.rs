@@ -1,6 +1,6 @@
 //! A square of material points that stretches, shears and rotates: smpm and hand-written.
 
-use smpm::material::{Material, StiffenedGasParameters};
+use smpm::material::{Model, StiffenedGasParameters};
 use smpm::{BulkViscosity, Config, Fill, Simulation};
 
 use crate::case::{Failure, Run, State};
@@ -46,13 +46,10 @@ pub(crate) fn body(edge: u32) -> Result<Body, smpm::Error> {
 }
 
 /// The library's run of a square.
-pub(crate) fn simulation<M: Material<f64> + 'static>(
+pub(crate) fn simulation(
     edge: u32,
-    material: M,
-) -> Result<Simulation<f64, 2>, smpm::Error>
-where
-    M::State: 'static,
-{
+    material: impl Into<Model<f64>>,
+) -> Result<Simulation<f64, 2>, smpm::Error> {
     let (fill, cell) = fill(edge)?;
     let mut body = smpm::Body::new(material, &fill, [0.0; 2])?;
     body.set_velocities(velocity)?;

@@ -91,6 +91,7 @@ mod family;
 pub mod library;
 mod local;
 mod material;
+mod model;
 mod neo_hookean;
 mod observed;
 mod solid;
@@ -108,6 +109,7 @@ pub use error::{Error, Fault, finite, not_negative, positive, within};
 pub use family::{EquationFamily, MaterialFamily, StrengthFamily};
 pub use local::{LocalFlow, LocalResponse, LocalState};
 pub use material::{Material, Now};
+pub use model::Model;
 pub use neo_hookean::{NeoHookean, NeoHookeanParameters, NeoHookeanState};
 pub use observed::Observed;
 pub use perturbation_moments::{Real, Scalar};
@@ -115,7 +117,7 @@ pub use solid::{LinearElasticParameters, LinearElasticSolid, Solid, SolidState};
 pub use strength::{
     ElasticShear, ElasticShearParameters, Fluid, JohnsonCook, JohnsonCookDamage,
     JohnsonCookDamageParameters, JohnsonCookDamageState, JohnsonCookParameters, JohnsonCookState,
-    Strength, StrengthKind, VonMises, VonMisesParameters, VonMisesState,
+    Strength, VonMises, VonMisesParameters, VonMisesState,
 };
 pub use units::Units;
 pub use varying::{Varying, VaryingState};

@@ -252,6 +252,36 @@ pub fn aluminium_equation(units: Units) -> MieGruneisenParameters<f64> {
     }
 }
 
+/// Names of the entries of [`entry`]; each has some of the models.
+pub const ENTRIES: [&str; 6] =
+    ["steel", "steel_as_published", "copper", "aluminium", "water", "tnt"];
+
+/// The parameters of a model by their names, if the library has them under the name of an entry. The model is `mie_gruneisen`, `jwl`,
+/// `von_mises`, `johnson_cook` or `damage`.
+#[must_use]
+pub fn entry(model: &str, name: &str, units: Units) -> Option<Vec<(&'static str, f64)>> {
+    macro_rules! named {
+        ($parameters:expr) => {{
+            let mut named = Vec::new();
+            let _ = $parameters.map(|name, value: f64| named.push((name, value)));
+            Some(named)
+        }};
+    }
+    match (model, name) {
+        ("mie_gruneisen", "steel") => named!(steel_equation(units)),
+        ("mie_gruneisen", "copper") => named!(copper_equation(units)),
+        ("mie_gruneisen", "aluminium") => named!(aluminium_equation(units)),
+        ("mie_gruneisen", "water") => named!(water(units)),
+        ("jwl", "tnt") => named!(tnt(units)),
+        ("von_mises", "copper") => named!(copper_linear_hardening(units)),
+        ("johnson_cook", "steel") => named!(steel_strength(units)),
+        ("johnson_cook", "steel_as_published") => named!(steel_strength_as_published(units)),
+        ("johnson_cook", "copper") => named!(copper_strength(units)),
+        ("damage", "steel") => named!(steel_damage(units)),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -40,14 +40,6 @@ pub trait Material<S: Real>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers.
     type State: Copy + std::fmt::Debug + Send + Sync;
 
-    /// Whether programs that step many particles compile its update over `f64` and jets ahead.
-    #[doc(hidden)]
-    const IS_COMPILED: bool = false;
-
-    /// The same where its constants vary from particle to particle.
-    #[doc(hidden)]
-    const IS_COMPILED_VARYING: bool = false;
-
     /// `rho_0 > 0`, the density of the reference state (mass per volume).
     fn density(&self) -> S;
 

@@ -71,8 +71,6 @@ fn left_cauchy_green<S: Real>(f: &[[S; 3]; 3]) -> Symmetric<S> {
 impl<S: Real> Material<S> for NeoHookean<S> {
     type State = NeoHookeanState<S>;
 
-    const IS_COMPILED: bool = true;
-
     fn density(&self) -> S {
         self.parameters.density
     }
@@ -150,8 +148,6 @@ impl<S: Real> Material<S> for NeoHookean<S> {
         visit(heat);
         true
     }
-
-    shows_constants!(lambda);
 }
 
 family_member!(MaterialFamily, Material: NeoHookean { lambda }, number => NeoHookeanState {

@@ -43,10 +43,6 @@ pub struct SolidState<S, T, Y> {
 impl<S: Real, E: EquationOfState<S>, Y: Strength<S>> Material<S> for Solid<E, Y> {
     type State = SolidState<S, E::State, Y::State>;
 
-    const IS_COMPILED: bool = Y::KIND.is_in(E::COMPILED_WITH);
-
-    const IS_COMPILED_VARYING: bool = Y::KIND.is_in(E::COMPILED_VARYING_WITH);
-
     fn density(&self) -> S {
         self.equation.density()
     }

@@ -3,9 +3,9 @@
 use perturbation_moments::{RandomVector, Scalar};
 use scene_runs::scene::Objection;
 use smpm::uncertainty::{Coefficients, Experiment, Inputs};
-use smpm::{Config, Error, Fill, Number, Simulation};
+use smpm::{Body, Config, Error, Fill, Number, Simulation};
 
-use super::material_scene::{MaterialScene, Numbers, Part};
+use super::material_scene::{MaterialPart, MaterialScene, Numbers};
 use super::random_fields::PreparedField;
 use super::reading::{MOST_RANDOM, RandomParameter};
 use super::scene::SmpmScene;
@@ -119,7 +119,7 @@ impl<const D: usize> Experiment<D> for SceneExperiment<D> {
             let own = self.fields.iter().filter(|field| field.material == prepared.material_name);
             let factors: Vec<(&PreparedField, Vec<S>)> =
                 own.map(|field| (field, field.factors(b, x))).collect();
-            let of = |particle: usize, part: Part, name: &'static str| -> S {
+            let of = |particle: usize, part: MaterialPart, name: &'static str| -> S {
                 let random = self.random.iter().zip(x).find(|(random, _)| {
                     random.key == (part, name) && random.material == prepared.material_name
                 });
@@ -130,11 +130,15 @@ impl<const D: usize> Experiment<D> for SceneExperiment<D> {
                 let varies = factors.iter().find(|(field, _)| field.keys.contains(&(part, name)));
                 varies.map_or(constant, |(_, factors)| constant * factors[particle])
             };
+            let model = |particle: usize| {
+                prepared
+                    .material
+                    .model(&|part: MaterialPart, name: &'static str| of(particle, part, name))
+            };
             if factors.is_empty() {
-                let of = |part: Part, name: &'static str| of(0, part, name);
-                prepared.material.body(&of, fill, prepared.velocity)
+                Body::new(model(0)?, fill, prepared.velocity)
             } else {
-                prepared.material.varying_body(&of, fill, prepared.velocity)
+                Body::varying(|particle, _| Ok(model(particle)?), fill, prepared.velocity)
             }
         };
         let bodies = self.bodies.iter().zip(&self.fills).enumerate().map(body);

@@ -6,7 +6,7 @@ use scene_runs::scene::Objection;
 use smpm::{Fill, Number};
 
 use super::coordinates::point;
-use super::material_scene::{MaterialScene, Part};
+use super::material_scene::{MaterialPart, MaterialScene};
 use super::method_scene::MethodScene;
 use super::random_field_scene::{RandomFieldScene, TermsScene};
 use super::region::BodyRegion;
@@ -26,7 +26,7 @@ const MOST_POINTS: f64 = 1e4;
 const MOST_TERMS: usize = 2000;
 
 /// The name of a material, and keys of some of its constants.
-type Constants = (String, Vec<(Part, &'static str)>);
+type Constants = (String, Vec<(MaterialPart, &'static str)>);
 
 /// A random field with its modes at the particles.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ pub(super) struct PreparedField {
     /// The name of its material.
     pub(super) material: String,
     /// Keys of the constants.
-    pub(super) keys: Vec<(Part, &'static str)>,
+    pub(super) keys: Vec<(MaterialPart, &'static str)>,
     /// Words of the constants.
     pub(super) parameters: Vec<String>,
     /// Distribution of the factor, of mean 1.
@@ -115,7 +115,14 @@ impl SmpmScene {
             let Some(material) = material else {
                 return Err(Objection::new(path, "a random field needs a constant at least"));
             };
-            self.materials[material].check_varying(&path)?;
+            let of = |part, name| numbers[material][&(part, name)];
+            let model = self.materials[material].model::<f64>(&of);
+            if model.is_ok_and(|model| !model.can_vary()) {
+                let message = "the constants of this material cannot vary in space";
+                return Err(Objection::new(path, message).with_help(
+                    "they can of `elastic_bulk` with `elastic`, and of `mie_gruneisen` with `von_mises` or `johnson_cook` without damage",
+                ));
+            }
             if self.bodies.iter().all(|body| body.material != material) {
                 return Err(Objection::new(path, format!("no body is made of `{material}`")));
             }
@@ -165,14 +172,12 @@ impl SmpmScene {
             let marginal = marginal_of(scene, &path)?;
             lengths_of::<D>(scene, &path)?;
             let numbers = &numbers[material.as_str()];
-            let one = Fill { positions: vec![[0.0; D]], spacing: [1.0; D] };
             for z in [-FARTHEST, FARTHEST] {
                 let of = |part, name| {
                     let key = (part, name);
                     numbers[&key] * if keys.contains(&key) { marginal.at(z) } else { 1.0 }
                 };
-                let body = self.materials[material].body::<f64, D>(&of, &one, [0.0; D]);
-                body.map_err(|error| {
+                self.materials[material].model::<f64>(&of).map_err(|error| {
                     let message = format!("at {z} deviations of the field: {error}");
                     Objection::new(format!("{path}.marginal"), message)
                 })?;

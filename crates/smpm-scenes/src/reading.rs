@@ -12,7 +12,7 @@ use smpm::{
 use uq_estimators::{Error as SamplingError, SobolPoints};
 
 use super::coordinates::point;
-use super::material_scene::{MaterialScene, Numbers, Part};
+use super::material_scene::{MaterialPart, MaterialScene, Numbers};
 use super::method_scene::MethodScene;
 use super::region::BodyRegion;
 use super::retired::RETIRED;
@@ -27,7 +27,7 @@ pub struct RandomParameter {
     /// The name of its material.
     pub material: String,
     /// Key of the parameter.
-    pub key: (Part, &'static str),
+    pub key: (MaterialPart, &'static str),
     /// Its mean.
     pub mean: f64,
 }
@@ -389,11 +389,8 @@ impl SmpmScene {
         let numbers = self.numbers()?;
         for (name, material) in &self.materials {
             let path = format!("materials.{name}");
-            let one = Fill { positions: vec![[0.0; D]], spacing: [1.0; D] };
             let of = |part, key| numbers[name.as_str()][&(part, key)];
-            material
-                .body::<f64, D>(&of, &one, [0.0; D])
-                .map_err(|error| Objection::new(&path, error.to_string()))?;
+            material.model::<f64>(&of).map_err(|error| Objection::new(&path, error.to_string()))?;
         }
         for (i, body) in self.bodies.iter().enumerate() {
             if !self.materials.contains_key(&body.material) {

@@ -1,6 +1,8 @@
 //! What a simulation needs to know besides its bodies.
 
-use crate::error::{Error, finite, not_negative, positive, within};
+use constitutive_models::{finite, not_negative, positive, within};
+
+use crate::error::Error;
 use crate::grid::boundary::Boundary;
 use crate::transfer::shape::Shape;
 

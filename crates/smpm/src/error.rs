@@ -25,9 +25,9 @@ pub enum Error {
         /// What is wrong.
         reason: Box<Self>,
     },
-    /// A varying material that does not show its constants.
-    #[error("the constants of this material cannot vary: it does not show all of them")]
-    ConstantsNotShown,
+    /// A material whose constants cannot vary from particle to particle.
+    #[error("the constants of this material cannot vary from particle to particle")]
+    ConstantsCannotVary,
     /// Another number of random inputs, or of their standard normals, than an experiment takes.
     #[error("{value} random inputs; the experiment takes {expected}")]
     OtherInputs {
@@ -366,24 +366,4 @@ impl Error {
     pub(crate) fn store(error: &particle_store::Error) -> Self {
         Self::Snapshot { what: error.to_string() }
     }
-}
-
-/// Refuses what is not finite.
-pub(crate) fn finite(name: &'static str, value: f64) -> Result<(), Error> {
-    Ok(constitutive_models::finite(name, value)?)
-}
-
-/// Refuses what is not finite and above zero.
-pub(crate) fn positive(name: &'static str, value: f64) -> Result<(), Error> {
-    Ok(constitutive_models::positive(name, value)?)
-}
-
-/// Refuses what is not finite or below zero.
-pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<(), Error> {
-    Ok(constitutive_models::not_negative(name, value)?)
-}
-
-/// Refuses what lies outside an interval.
-pub(crate) fn within(name: &'static str, value: f64, from: f64, to: f64) -> Result<(), Error> {
-    Ok(constitutive_models::within(name, value, from, to)?)
 }

@@ -1,26 +1,23 @@
 //! The number type of a run.
 
-use perturbation_moments::{Gradient, Jet, LANES, Scalar};
+use perturbation_moments::{Jet, LANES, Scalar};
 
 use self::sealed::Carried;
 
-/// A number that particles and nodes carry: `f64`, or a [`Jet`] or [`Gradient`], which carries the derivatives of its history.
+/// A number that particles and nodes carry: `f64`, or a [`Jet`], which carries the derivatives of its history.
 ///
-/// A material may be computed with any [`Scalar`]; a run takes one of these three. Shape functions are `f64` in the transfer, with
+/// A material may be computed with any [`Scalar`]; a run takes one of these two. Shape functions are `f64` in the transfer, with
 /// their derivatives.
-pub trait Number: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static {}
+pub trait CarriedNumber: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static {}
 
-impl<S: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static> Number for S {}
+impl<S: Scalar + Carried + std::fmt::Debug + Send + Sync + 'static> CarriedNumber for S {}
 
-/// What the transfer knows of a number; it keeps [`Number`] to the types for which that is written.
+/// What the transfer knows of a number; it keeps [`CarriedNumber`] to the types for which that is written.
 pub(crate) mod sealed {
     use perturbation_moments::LANES;
 
     /// A number whose derivatives the transfer knows.
     pub trait Carried: Sized {
-        /// Whether the step is compiled with this crate; else it is compiled with the program that runs it.
-        const IS_COMPILED: bool;
-
         /// Highest order of its derivatives.
         const ORDER: usize;
 
@@ -32,12 +29,20 @@ pub(crate) mod sealed {
 
         /// The same, to be written.
         fn derivatives_mut(&mut self, order: usize) -> Option<&mut [f64; LANES]>;
+
+        /// How many `f64` it is made of.
+        const PARTS: usize;
+
+        /// Part number `part`.
+        fn part(&self, part: usize) -> f64;
+
+        /// From its parts: `part(k)` is number `k`.
+        fn from_parts(part: impl Fn(usize) -> f64) -> Self;
     }
 }
 
 #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
 impl Carried for f64 {
-    const IS_COMPILED: bool = true;
     const ORDER: usize = 0;
 
     #[inline(always)]
@@ -54,42 +59,63 @@ impl Carried for f64 {
     fn derivatives_mut(&mut self, _order: usize) -> Option<&mut [f64; LANES]> {
         None
     }
+
+    const PARTS: usize = 1;
+
+    fn part(&self, _part: usize) -> f64 {
+        *self
+    }
+
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
+        part(0)
+    }
 }
 
-/// A number with derivatives, by order: `order => field`.
-macro_rules! carried {
-    ($number:ty, $is_compiled:expr, $highest:literal: $($order:pat => $field:ident),+) => {
-        #[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
-        impl Carried for $number {
-            const IS_COMPILED: bool = $is_compiled;
-            const ORDER: usize = $highest;
+#[allow(clippy::inline_always, reason = "part of loops inside a dispatched closure")]
+impl Carried for Jet {
+    const ORDER: usize = 2;
 
-            #[inline(always)]
-            fn value_mut(&mut self) -> &mut f64 {
-                &mut self.value
-            }
+    #[inline(always)]
+    fn value_mut(&mut self) -> &mut f64 {
+        &mut self.value
+    }
 
-            #[inline(always)]
-            fn derivatives(&self, order: usize) -> Option<&[f64; LANES]> {
-                match order {
-                    $($order => Some(&self.$field),)+
-                    _ => None,
-                }
-            }
-
-            #[inline(always)]
-            fn derivatives_mut(&mut self, order: usize) -> Option<&mut [f64; LANES]> {
-                match order {
-                    $($order => Some(&mut self.$field),)+
-                    _ => None,
-                }
-            }
+    #[inline(always)]
+    fn derivatives(&self, order: usize) -> Option<&[f64; LANES]> {
+        match order {
+            1 => Some(&self.first),
+            2 => Some(&self.second),
+            _ => None,
         }
-    };
-}
+    }
 
-carried!(Jet, true, 2: 1 => first, 2 => second);
-carried!(Gradient, false, 1: 1 => first);
+    #[inline(always)]
+    fn derivatives_mut(&mut self, order: usize) -> Option<&mut [f64; LANES]> {
+        match order {
+            1 => Some(&mut self.first),
+            2 => Some(&mut self.second),
+            _ => None,
+        }
+    }
+
+    const PARTS: usize = 1 + 2 * LANES;
+
+    fn part(&self, part: usize) -> f64 {
+        match part {
+            0 => self.value,
+            _ if part <= LANES => self.first[part - 1],
+            _ => self.second[part - 1 - LANES],
+        }
+    }
+
+    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
+        Self {
+            value: part(0),
+            first: std::array::from_fn(|k| part(1 + k)),
+            second: std::array::from_fn(|k| part(1 + LANES + k)),
+        }
+    }
+}
 
 /// Whether a value is finite, by one comparison: `is_finite` beside others becomes a test of bits, of twenty instructions.
 #[inline(always)]

@@ -38,28 +38,9 @@ pub(crate) fn for_each_chunk<T: Send>(
     length: usize,
     work: &(dyn Fn(usize, &mut [T]) + Sync),
 ) {
-    let piece = piece_of(entries.len().div_ceil(length));
-    chunks_in_halves((0, entries), (length, piece), work);
-}
-
-fn chunks_in_halves<T: Send>(
-    (first, entries): (usize, &mut [T]),
-    lengths: (usize, usize),
-    work: &(dyn Fn(usize, &mut [T]) + Sync),
-) {
-    let (length, piece) = lengths;
-    let n = entries.len().div_ceil(length);
-    if n > piece {
-        let middle = n / 2;
-        let (low, high) = entries.split_at_mut(middle * length);
-        join(&mut || chunks_in_halves((first, &mut *low), lengths, work), &mut || {
-            chunks_in_halves((first + middle, &mut *high), lengths, work);
-        });
-        return;
-    }
-    for (k, chunk) in entries.chunks_mut(length).enumerate() {
-        work(first + k, chunk);
-    }
+    // Beside a column of nothing, which takes no memory.
+    let mut nothing = vec![(); entries.len()];
+    for_each_pair_of_chunks((entries, &mut nothing), length, &|k, chunk, _| work(k, chunk));
 }
 
 /// Work on a chunk of each of two columns, by their number.
@@ -105,7 +86,9 @@ pub(crate) fn map_in_order<T: Sync, U: Send>(
     work: &(dyn Fn(&T) -> U + Sync),
 ) -> Vec<U> {
     let mut results: Vec<Option<U>> = entries.iter().map(|_| None).collect();
-    let each = |k: usize, result: &mut [Option<U>]| result[0] = Some(work(&entries[k]));
-    chunks_in_halves((0, &mut results), (1, 1), &each);
+    let each =
+        |k: usize, result: &mut [Option<U>], _: &mut [()]| result[0] = Some(work(&entries[k]));
+    let mut nothing = vec![(); entries.len()];
+    pairs_in_halves((0, &mut results, &mut nothing), (1, 1), &each);
     results.into_iter().flatten().collect()
 }

@@ -8,12 +8,12 @@ use crate::grid::background::{Grid, Solve};
 use crate::grid::boundary::{Plane, Side};
 use crate::grid::surfaces::sum_surfaces;
 use crate::grid::tile_size::MOST_NODES;
-use crate::number::{Number, is_plain};
+use crate::number::{CarriedNumber, is_plain};
 use crate::points::body::Body;
 use crate::points::particle_pass::ParticlePass;
 use crate::points::particles::Particles;
 use crate::points::summary::{Summary, signal_speed};
-use crate::record::snapshot::{Clock, Stored, read, write};
+use crate::record::snapshot::{Clock, read, write};
 use crate::transfer::particle_motion::Pass;
 use crate::transfer::particle_terms::Given;
 use crate::transfer::transfers::particle_to_grid;
@@ -79,7 +79,7 @@ struct Limit {
     particle: usize,
 }
 
-impl<S: Number, const D: usize> Simulation<S, D> {
+impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// Checks everything once.
     ///
     /// # Errors
@@ -220,11 +220,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
             return Err(error.clone());
         }
         #[cfg(not(test))]
-        let outcome = if const { S::IS_COMPILED && D <= 3 } {
-            compiled_step(self, dt)
-        } else {
-            self.try_step(dt)
-        };
+        let outcome = if const { D <= 3 } { compiled_step(self, dt) } else { self.try_step(dt) };
         // The unit tests run no step.
         #[cfg(test)]
         let outcome = self.try_step(dt);
@@ -402,7 +398,7 @@ impl Limit {
     }
 
     /// Of a state before the first step.
-    fn of<S: Number, const D: usize>(config: &Config<D>, bodies: &[Body<S, D>]) -> Self {
+    fn of<S: CarriedNumber, const D: usize>(config: &Config<D>, bodies: &[Body<S, D>]) -> Self {
         let mut limit = Self { dt: f64::INFINITY, body: 0, particle: 0 };
         for (number, body) in bodies.iter().enumerate() {
             let conditions = body.points.conditions();
@@ -421,7 +417,7 @@ impl Limit {
     }
 }
 
-impl<S: Stored, const D: usize> Simulation<S, D> {
+impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// Writes the state, bit for bit: the columns of every body in the order of memory, with the numbers of the particles.
     ///
     /// # Errors
@@ -459,7 +455,7 @@ fn check_room(planes: &[Plane]) -> Result<(), Error> {
     Ok(())
 }
 
-fn check_places<S: Number, const D: usize>(
+fn check_places<S: CarriedNumber, const D: usize>(
     config: &Config<D>,
     body: usize,
     of: &Body<S, D>,

@@ -3,8 +3,8 @@
 use perturbation_moments::{Real, Scalar};
 
 use super::{EquationOfState, Line, Start};
+use crate::EquationFamily;
 use crate::error::{Error, positive};
-use crate::{EquationFamily, StrengthKind};
 
 parameters! {
     /// What an [`ElasticBulk`] is made of.
@@ -42,10 +42,6 @@ impl<S: Real> EquationOfState<S> for ElasticBulk<S> {
     type State = ();
 
     const KNOWS_ENERGY: bool = false;
-
-    const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Elastic, StrengthKind::VonMises];
-
-    const COMPILED_VARYING_WITH: &'static [StrengthKind] = &[StrengthKind::Elastic];
 
     #[inline(always)]
     fn density(&self) -> S {

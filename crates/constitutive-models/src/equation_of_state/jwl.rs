@@ -5,7 +5,7 @@ use simd_lanes::Mask;
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, finite, not_negative, positive};
-use crate::{EquationFamily, Now, StrengthKind};
+use crate::{EquationFamily, Now};
 
 parameters! {
     /// What a [`Jwl`] is made of.
@@ -93,8 +93,6 @@ impl<S: Real> Jwl<S> {
 impl<S: Real> EquationOfState<S> for Jwl<S> {
     /// `d`, the distance from the point of detonation (length).
     type State = S::Primal;
-
-    const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Fluid];
 
     #[inline(always)]
     fn density(&self) -> S {

@@ -4,8 +4,8 @@ use perturbation_moments::{Real, Scalar, when};
 use simd_lanes::Mask;
 
 use super::{EquationOfState, Line, Start};
+use crate::EquationFamily;
 use crate::error::{Error, Fault, finite, not_negative, positive};
-use crate::{EquationFamily, StrengthKind};
 
 parameters! {
     /// What a [`MieGruneisen`] is made of.
@@ -105,19 +105,6 @@ impl<S: Real> MieGruneisen<S> {
 
 impl<S: Real> EquationOfState<S> for MieGruneisen<S> {
     type State = ();
-
-    const COMPILED_WITH: &'static [StrengthKind] = &[
-        StrengthKind::Fluid,
-        StrengthKind::Elastic,
-        StrengthKind::VonMises,
-        StrengthKind::JohnsonCook,
-        StrengthKind::JohnsonCookDamage,
-    ];
-
-    const COMPILED_VARYING_WITH: &'static [StrengthKind] =
-        &[StrengthKind::VonMises, StrengthKind::JohnsonCook];
-
-    const COMPILED_WITH_CUT_OFF: &'static [StrengthKind] = &[StrengthKind::Fluid];
 
     #[inline(always)]
     fn density(&self) -> S {

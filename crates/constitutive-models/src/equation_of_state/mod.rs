@@ -8,8 +8,8 @@ mod tension_cut_off;
 
 use perturbation_moments::{Real, Scalar};
 
+use crate::Now;
 use crate::error::Fault;
-use crate::{Now, StrengthKind};
 
 pub use elastic_bulk::{ElasticBulk, ElasticBulkParameters};
 pub use jwl::{Detonation, Jwl, JwlParameters};
@@ -49,18 +49,6 @@ pub trait EquationOfState<S: Real>: std::fmt::Debug + Send + Sync {
 
     /// Whether the pressure depends on the energy at all; false says that `b` is zero at every volume, and is not looked at.
     const KNOWS_ENERGY: bool = true;
-
-    /// The strengths with which a [`Solid`](crate::Solid) of it is compiled with this crate.
-    #[doc(hidden)]
-    const COMPILED_WITH: &'static [StrengthKind] = &[];
-
-    /// The same where their constants vary from particle to particle.
-    #[doc(hidden)]
-    const COMPILED_VARYING_WITH: &'static [StrengthKind] = &[];
-
-    /// The same under a [`TensionCutOff`].
-    #[doc(hidden)]
-    const COMPILED_WITH_CUT_OFF: &'static [StrengthKind] = &[];
 
     /// `rho_0 > 0` (mass per volume).
     fn density(&self) -> S;

@@ -3,8 +3,8 @@
 use perturbation_moments::{Real, Scalar};
 
 use super::{EquationOfState, Line, Start};
+use crate::EquationFamily;
 use crate::error::{Error, not_negative, positive};
-use crate::{EquationFamily, StrengthKind};
 
 parameters! {
     /// What a [`StiffenedGas`] is made of.
@@ -56,8 +56,6 @@ impl<S: Scalar> StiffenedGas<S> {
 impl<S: Real> EquationOfState<S> for StiffenedGas<S> {
     type State = ();
 
-    const COMPILED_WITH: &'static [StrengthKind] = &[StrengthKind::Fluid];
-
     #[inline(always)]
     fn density(&self) -> S {
         self.parameters.density
@@ -83,8 +81,6 @@ impl<S: Real> EquationOfState<S> for StiffenedGas<S> {
         let p = &self.parameters;
         Line { a: volume.splat(0.0), b: (p.exponent * -1.0 + 1.0) / volume.squared() }
     }
-
-    shows_constants!();
 }
 
 family_member!(EquationFamily, EquationOfState: StiffenedGas {  }, _number => ());

@@ -4,7 +4,7 @@ use perturbation_moments::{Real, Scalar};
 
 use super::{EquationOfState, Line, Start};
 use crate::error::{Error, Fault, not_negative};
-use crate::{EquationFamily, Now, StrengthKind};
+use crate::{EquationFamily, Now};
 
 /// An equation of state whose pressure does not fall below `-limit`: a liquid that cavitates.
 ///
@@ -30,8 +30,6 @@ impl<S: Real, E: EquationOfState<S>> EquationOfState<S> for TensionCutOff<E, S> 
     type State = E::State;
 
     const KNOWS_ENERGY: bool = E::KNOWS_ENERGY;
-
-    const COMPILED_WITH: &'static [StrengthKind] = E::COMPILED_WITH_CUT_OFF;
 
     #[inline(always)]
     fn density(&self) -> S {
@@ -73,12 +71,6 @@ impl<S: Real, E: EquationOfState<S>> EquationOfState<S> for TensionCutOff<E, S> 
     #[inline(always)]
     fn visit_numbers(&self, state: &mut Self::State, visit: impl FnMut(&mut S)) -> bool {
         self.equation.visit_numbers(state, visit)
-    }
-
-    #[inline(always)]
-    fn visit_constants(&mut self, mut visit: impl FnMut(&mut S)) -> bool {
-        visit(&mut self.least);
-        self.equation.visit_constants(visit)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use perturbation_moments::{Real, Scalar};
 
-use super::{Strength, StrengthKind, Trial};
+use super::{Strength, Trial};
 use crate::error::{Error, Fault, positive};
 use crate::tensor::Symmetric;
 use crate::{Now, Observed, StrengthFamily};
@@ -39,8 +39,6 @@ impl<S: Scalar> ElasticShear<S> {
 
 impl<S: Real> Strength<S> for ElasticShear<S> {
     type State = Symmetric<S>;
-
-    const KIND: StrengthKind = StrengthKind::Elastic;
 
     fn start(&self) -> Symmetric<S>
     where

@@ -2,7 +2,7 @@
 
 use perturbation_moments::{Real, Scalar};
 
-use super::{Strength, StrengthKind};
+use super::Strength;
 use crate::error::Fault;
 use crate::tensor::Symmetric;
 use crate::{Now, Observed, StrengthFamily};
@@ -13,8 +13,6 @@ pub struct Fluid;
 
 impl<S: Real> Strength<S> for Fluid {
     type State = ();
-
-    const KIND: StrengthKind = StrengthKind::Fluid;
 
     fn start(&self)
     where
@@ -43,11 +41,6 @@ impl<S: Real> Strength<S> for Fluid {
         S: Scalar,
     {
         Observed::of_energy(S::constant(0.0))
-    }
-
-    #[inline(always)]
-    fn visit_constants(&mut self, _visit: impl FnMut(&mut S)) -> bool {
-        true
     }
 }
 

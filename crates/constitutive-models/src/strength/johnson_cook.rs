@@ -5,7 +5,7 @@ use simd_lanes::Mask;
 
 use super::johnson_cook_return::{LEAST_STRAIN, Return};
 use super::johnson_cook_state::JohnsonCookState;
-use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
+use super::{LEAST_OVERSHOOT, Strength, Trial};
 use crate::error::{Error, Fault, not_negative, positive, within};
 use crate::tensor::Symmetric;
 use crate::{LocalFlow, Now, Observed, StrengthFamily};
@@ -196,8 +196,6 @@ impl<S: Real> JohnsonCook<S> {
 
 impl<S: Real> Strength<S> for JohnsonCook<S> {
     type State = JohnsonCookState<S>;
-
-    const KIND: StrengthKind = StrengthKind::JohnsonCook;
 
     fn start(&self) -> JohnsonCookState<S>
     where

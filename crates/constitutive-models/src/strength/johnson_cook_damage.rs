@@ -3,7 +3,7 @@
 use perturbation_moments::{Real, Scalar};
 use simd_lanes::Mask;
 
-use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength, StrengthKind};
+use super::{JohnsonCook, JohnsonCookParameters, JohnsonCookState, Strength};
 use crate::error::{Error, Fault, finite, not_negative, positive};
 use crate::tensor::Symmetric;
 use crate::{LocalFlow, Now, Observed, StrengthFamily};
@@ -96,8 +96,6 @@ impl<S: Real> JohnsonCookDamageState<S> {
 
 impl<S: Real> Strength<S> for JohnsonCookDamage<S> {
     type State = JohnsonCookDamageState<S>;
-
-    const KIND: StrengthKind = StrengthKind::JohnsonCookDamage;
 
     fn start(&self) -> JohnsonCookDamageState<S>
     where
@@ -196,18 +194,6 @@ impl<S: Real> Strength<S> for JohnsonCookDamage<S> {
         visit(&mut state.damage);
         visit(&mut state.pending);
         self.flow.visit_numbers(&mut state.flow, &mut visit)
-    }
-
-    #[inline(always)]
-    fn visit_constants(&mut self, mut visit: impl FnMut(&mut S)) -> bool {
-        self.parameters = self.parameters.map(
-            #[inline(always)]
-            |_, mut number| {
-                visit(&mut number);
-                number
-            },
-        );
-        self.flow.visit_constants(visit)
     }
 }
 

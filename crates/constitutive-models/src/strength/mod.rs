@@ -23,46 +23,10 @@ pub use johnson_cook_damage::{
 pub use johnson_cook_state::JohnsonCookState;
 pub use von_mises::{VonMises, VonMisesParameters, VonMisesState};
 
-/// The strengths of this crate.
-#[doc(hidden)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StrengthKind {
-    /// [`Fluid`].
-    Fluid,
-    /// [`ElasticShear`].
-    Elastic,
-    /// [`VonMises`].
-    VonMises,
-    /// [`JohnsonCook`].
-    JohnsonCook,
-    /// [`JohnsonCookDamage`].
-    JohnsonCookDamage,
-    /// One from outside.
-    Other,
-}
-
-impl StrengthKind {
-    /// Whether it is one of these.
-    pub(crate) const fn is_in(self, kinds: &[Self]) -> bool {
-        let mut k = 0;
-        while k < kinds.len() {
-            if kinds[k] as u8 == self as u8 {
-                return true;
-            }
-            k += 1;
-        }
-        false
-    }
-}
-
 /// How a material resists a change of shape.
 pub trait Strength<S: Real>: std::fmt::Debug + Send + Sync {
     /// What a particle remembers.
     type State: Copy + std::fmt::Debug + Send + Sync;
-
-    /// Which of this crate's strengths it is.
-    #[doc(hidden)]
-    const KIND: StrengthKind = StrengthKind::Other;
 
     /// A particle at `t = 0`.
     fn start(&self) -> Self::State

@@ -3,7 +3,7 @@
 use perturbation_moments::{Real, Scalar};
 use simd_lanes::Mask;
 
-use super::{LEAST_OVERSHOOT, Strength, StrengthKind, Trial};
+use super::{LEAST_OVERSHOOT, Strength, Trial};
 use crate::error::{Error, Fault, not_negative, positive};
 use crate::tensor::Symmetric;
 use crate::{LocalFlow, Now, Observed, StrengthFamily};
@@ -68,8 +68,6 @@ impl<S: Real> VonMises<S> {
 
 impl<S: Real> Strength<S> for VonMises<S> {
     type State = VonMisesState<S>;
-
-    const KIND: StrengthKind = StrengthKind::VonMises;
 
     fn start(&self) -> VonMisesState<S>
     where

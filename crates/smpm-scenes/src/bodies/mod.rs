@@ -6,4 +6,3 @@ pub(crate) mod geometry;
 pub(crate) mod grids;
 pub(crate) mod polygon;
 pub(crate) mod region;
-pub(crate) mod varying_body;

@@ -1,22 +1,20 @@
 //! Materials of a scene: library parameters, overridden parameters, random parameters.
 
-use std::any::Any;
 use std::collections::BTreeMap;
 
-use perturbation_moments::Jet;
 use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use smpm::material::library::entry;
 use smpm::material::{
-    Detonation, ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters,
-    EquationOfState, Fluid, JohnsonCook, JohnsonCookDamage, JohnsonCookDamageParameters,
-    JohnsonCookParameters, Jwl, JwlParameters, MieGruneisen, MieGruneisenParameters, NeoHookean,
-    NeoHookeanParameters, Solid, StiffenedGas, StiffenedGasParameters, TensionCutOff, Units,
-    VonMises, VonMisesParameters,
+    Detonation, ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, Fluid,
+    JohnsonCook, JohnsonCookDamage, JohnsonCookDamageParameters, JohnsonCookParameters, Jwl,
+    JwlParameters, MieGruneisen, MieGruneisenParameters, Model, NeoHookean, NeoHookeanParameters,
+    Solid, StiffenedGas, StiffenedGasParameters, TensionCutOff, Units, VonMises,
+    VonMisesParameters,
 };
-use smpm::{Body, Error, Fill, Number};
+use smpm::{Number, ParameterError};
 
-use super::material_library::entry;
 use super::material_schema;
 
 /// A material: equation of state and strength model.
@@ -92,9 +90,9 @@ pub struct DetonationScene {
     pub cells: f64,
 }
 
-/// Part of a material that a parameter belongs to.
+/// MaterialPart of a material that a parameter belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
+pub enum MaterialPart {
     /// The equation of state.
     Equation,
     /// The strength.
@@ -103,13 +101,13 @@ pub enum Part {
     Damage,
 }
 
-impl Part {
+impl MaterialPart {
     const ALL: [(Self, &'static str); 3] =
         [(Self::Equation, "equation"), (Self::Strength, "strength"), (Self::Damage, "damage")];
 }
 
 /// Parameters of a material.
-pub type Numbers = BTreeMap<(Part, &'static str), f64>;
+pub type Numbers = BTreeMap<(MaterialPart, &'static str), f64>;
 
 type Names = &'static [&'static str];
 impl EquationScene {
@@ -187,7 +185,7 @@ impl ParameterScene {
     /// Every parameter of a part, by name; `model` is the key of its model.
     fn read(
         &self,
-        (part, model, names): (Part, &str, Names),
+        (part, model, names): (MaterialPart, &str, Names),
         units: Units,
         path: &str,
         numbers: &mut Numbers,
@@ -222,29 +220,6 @@ impl ParameterScene {
     }
 }
 
-/// Builds a body: every pair of an equation of state and a strength model, for one number type and dimension.
-type BodyOf<S, const D: usize> = fn(
-    &MaterialScene,
-    &dyn Fn(Part, &'static str) -> S,
-    &Fill<D>,
-    [f64; D],
-) -> Result<Body<S, D>, Error>;
-
-/// Bodies compiled with this crate, once for all programs that run scenes; none in unit tests.
-#[inline(never)]
-fn compiled() -> &'static [&'static (dyn Any + Send + Sync)] {
-    const OF_NUMBERS: (BodyOf<f64, 1>, BodyOf<f64, 2>, BodyOf<f64, 3>) =
-        (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
-    const OF_JETS: (BodyOf<Jet, 1>, BodyOf<Jet, 2>, BodyOf<Jet, 3>) =
-        (MaterialScene::make_body, MaterialScene::make_body, MaterialScene::make_body);
-    static ALL: &[&(dyn Any + Send + Sync)] = if cfg!(test) {
-        &[]
-    } else {
-        &[&OF_NUMBERS.0, &OF_NUMBERS.1, &OF_NUMBERS.2, &OF_JETS.0, &OF_JETS.1, &OF_JETS.2]
-    };
-    ALL
-}
-
 impl MaterialScene {
     /// All its parameters.
     ///
@@ -254,16 +229,16 @@ impl MaterialScene {
         let mut numbers = Numbers::new();
         let (key, names, given) = self.equation.parts();
         let at = format!("{path}.equation.{key}");
-        given.read((Part::Equation, key, names), units, &at, &mut numbers)?;
+        given.read((MaterialPart::Equation, key, names), units, &at, &mut numbers)?;
         if let Some(strength) = &self.strength {
             let (key, names, given) = strength.parts();
             let at = format!("{path}.strength.{key}");
-            given.read((Part::Strength, key, names), units, &at, &mut numbers)?;
+            given.read((MaterialPart::Strength, key, names), units, &at, &mut numbers)?;
         }
         if let Some(given) = &self.damage {
             let names = JohnsonCookDamageParameters::<f64>::NAMES;
             let at = format!("{path}.damage");
-            given.read((Part::Damage, "damage", names), units, &at, &mut numbers)?;
+            given.read((MaterialPart::Damage, "damage", names), units, &at, &mut numbers)?;
         }
         self.check_parts(path)?;
         Ok(numbers)
@@ -309,11 +284,12 @@ impl MaterialScene {
         numbers: &Numbers,
         name: &str,
         path: &str,
-    ) -> Result<(Part, &'static str), Objection> {
-        let words: Vec<(String, (Part, &'static str))> = numbers
+    ) -> Result<(MaterialPart, &'static str), Objection> {
+        let words: Vec<(String, (MaterialPart, &'static str))> = numbers
             .keys()
             .map(|&(part, name)| {
-                let word = Part::ALL.iter().find(|(p, _)| *p == part).map_or("", |(_, word)| word);
+                let word =
+                    MaterialPart::ALL.iter().find(|(p, _)| *p == part).map_or("", |(_, word)| word);
                 (format!("{word}.{name}"), (part, name))
             })
             .collect();
@@ -325,52 +301,23 @@ impl MaterialScene {
         })
     }
 
-    /// A body of the material, with numbers that may be random.
+    /// The material with numbers that may be random, of a scene whose parts go together.
     ///
     /// # Errors
     /// Errors of the model.
-    pub fn body<S: Number, const D: usize>(
+    pub fn model<S: Number>(
         &self,
-        of: &dyn Fn(Part, &'static str) -> S,
-        fill: &Fill<D>,
-        velocity: [f64; D],
-    ) -> Result<Body<S, D>, Error> {
-        if const { !cfg!(test) && S::IS_COMPILED && D <= 3 } {
-            let made = compiled().iter().find_map(|body| body.downcast_ref::<BodyOf<S, D>>());
-            match made {
-                Some(body) => body(self, of, fill, velocity),
-                None => unreachable!("bodies of these numbers are compiled"),
-            }
-        } else {
-            self.make_body(of, fill, velocity)
-        }
-    }
-
-    fn make_body<S: Number, const D: usize>(
-        &self,
-        of: &dyn Fn(Part, &'static str) -> S,
-        fill: &Fill<D>,
-        velocity: [f64; D],
-    ) -> Result<Body<S, D>, Error> {
-        let given =
-            |part: Part| move |name: &'static str| -> Result<S, Error> { Ok(of(part, name)) };
-        let equation = given(Part::Equation);
-        match &self.equation {
-            EquationScene::MieGruneisen(_) => {
-                let equation =
-                    MieGruneisen::new(MieGruneisenParameters::try_from_names(equation)?)?;
-                match self.tension_limit {
-                    Some(limit) => {
-                        let equation = TensionCutOff::new(equation, S::constant(limit))?;
-                        Body::new(Solid { equation, strength: Fluid }, fill, velocity)
-                    }
-                    None => self.with_strength(equation, of, fill, velocity),
-                }
-            }
+        of: &dyn Fn(MaterialPart, &'static str) -> S,
+    ) -> Result<Model<S>, ParameterError> {
+        let given = |part: MaterialPart| {
+            move |name: &'static str| -> Result<S, ParameterError> { Ok(of(part, name)) }
+        };
+        let (equation, strength) = (given(MaterialPart::Equation), given(MaterialPart::Strength));
+        Ok(match &self.equation {
             EquationScene::StiffenedGas(_) => {
                 let equation =
                     StiffenedGas::new(StiffenedGasParameters::try_from_names(equation)?)?;
-                Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+                Solid { equation, strength: Fluid }.into()
             }
             EquationScene::Jwl(_) => {
                 let burn = self.detonation.as_ref();
@@ -381,56 +328,44 @@ impl MaterialScene {
                     cells: burn.map_or(0.0, |burn| burn.cells),
                 };
                 let equation = Jwl::new(JwlParameters::try_from_names(equation)?, detonation)?;
-                Body::new(Solid { equation, strength: Fluid }, fill, velocity)
+                Solid { equation, strength: Fluid }.into()
             }
             EquationScene::ElasticBulk(_) => {
                 let equation = ElasticBulk::new(ElasticBulkParameters::try_from_names(equation)?)?;
-                let parameters = ElasticShearParameters::try_from_names(given(Part::Strength))?;
-                let strength = ElasticShear::new(parameters)?;
-                Body::new(Solid { equation, strength }, fill, velocity)
+                let parameters = ElasticShearParameters::try_from_names(strength)?;
+                Solid { equation, strength: ElasticShear::new(parameters)? }.into()
             }
             EquationScene::NeoHookean(_) => {
-                let material = NeoHookean::new(NeoHookeanParameters::try_from_names(equation)?)?;
-                Body::new(material, fill, velocity)
+                NeoHookean::new(NeoHookeanParameters::try_from_names(equation)?)?.into()
             }
-        }
-    }
-
-    fn with_strength<S: Number, E: EquationOfState<S> + 'static, const D: usize>(
-        &self,
-        equation: E,
-        of: &dyn Fn(Part, &'static str) -> S,
-        fill: &Fill<D>,
-        velocity: [f64; D],
-    ) -> Result<Body<S, D>, Error>
-    where
-        E::State: 'static,
-    {
-        let given =
-            |part: Part| move |name: &'static str| -> Result<S, Error> { Ok(of(part, name)) };
-        let strength = given(Part::Strength);
-        match &self.strength {
-            None => Body::new(Solid { equation, strength: Fluid }, fill, velocity),
-            Some(StrengthScene::Elastic(_)) => {
-                let strength =
-                    ElasticShear::new(ElasticShearParameters::try_from_names(strength)?)?;
-                Body::new(Solid { equation, strength }, fill, velocity)
-            }
-            Some(StrengthScene::VonMises(_)) => {
-                let strength = VonMises::new(VonMisesParameters::try_from_names(strength)?)?;
-                Body::new(Solid { equation, strength }, fill, velocity)
-            }
-            Some(StrengthScene::JohnsonCook(_)) => {
-                let flow = JohnsonCookParameters::try_from_names(strength)?;
-                if self.damage.is_some() {
-                    let damage = JohnsonCookDamageParameters::try_from_names(given(Part::Damage))?;
-                    let strength = JohnsonCookDamage::new(flow, damage)?;
-                    Body::new(Solid { equation, strength }, fill, velocity)
-                } else {
-                    let strength = JohnsonCook::new(flow)?;
-                    Body::new(Solid { equation, strength }, fill, velocity)
+            EquationScene::MieGruneisen(_) => {
+                let equation =
+                    MieGruneisen::new(MieGruneisenParameters::try_from_names(equation)?)?;
+                match (&self.strength, self.tension_limit) {
+                    (None, Some(limit)) => {
+                        let equation = TensionCutOff::new(equation, S::constant(limit))?;
+                        Solid { equation, strength: Fluid }.into()
+                    }
+                    (None, None) => Solid { equation, strength: Fluid }.into(),
+                    (Some(StrengthScene::Elastic(_)), _) => {
+                        let parameters = ElasticShearParameters::try_from_names(strength)?;
+                        Solid { equation, strength: ElasticShear::new(parameters)? }.into()
+                    }
+                    (Some(StrengthScene::VonMises(_)), _) => {
+                        let parameters = VonMisesParameters::try_from_names(strength)?;
+                        Solid { equation, strength: VonMises::new(parameters)? }.into()
+                    }
+                    (Some(StrengthScene::JohnsonCook(_)), _) => {
+                        let flow = JohnsonCookParameters::try_from_names(strength)?;
+                        if self.damage.is_none() {
+                            return Ok(Solid { equation, strength: JohnsonCook::new(flow)? }.into());
+                        }
+                        let damage = given(MaterialPart::Damage);
+                        let damage = JohnsonCookDamageParameters::try_from_names(damage)?;
+                        Solid { equation, strength: JohnsonCookDamage::new(flow, damage)? }.into()
+                    }
                 }
             }
-        }
+        })
     }
 }

@@ -2,13 +2,12 @@
 
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
+use smpm::material::library::{ENTRIES, entry};
 use smpm::material::{
     ElasticBulkParameters, ElasticShearParameters, JohnsonCookDamageParameters,
     JohnsonCookParameters, JwlParameters, MieGruneisenParameters, NeoHookeanParameters,
     StiffenedGasParameters, Units, VonMisesParameters,
 };
-
-use super::material_library::{ENTRIES, entry};
 
 /// Quantities whose unit follows from the scene, as the solver names them.
 const OF_UNITS: [&str; 5] =

@@ -3,7 +3,6 @@
 //! Types are as the JSON is written. They know no run, file or answer.
 
 pub(crate) mod coordinates;
-pub(crate) mod material_library;
 pub mod material_scene;
 pub(crate) mod material_schema;
 pub mod method_scene;

@@ -8,12 +8,12 @@ use scene_runs::checkpoint::Checkpoint;
 use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Limit, Pace, Run, RunError, TooLong};
 use serde::{Deserialize, Serialize};
-use smpm::uncertainty::{Keep, Standing};
+use smpm::uncertainty::{Keep, SavedRun};
 
 /// Content of a checkpoint for a run.
 #[derive(Debug, Serialize, Deserialize)]
 struct KeptRun {
-    standing: Standing,
+    standing: SavedRun,
     /// CPU time of all runs of the scene so far, in all processes (s).
     cpu_seconds: f64,
 }
@@ -70,7 +70,7 @@ impl<'a> KeptRuns<'a> {
 }
 
 impl Keep for KeptRuns<'_> {
-    fn load(&self, run: &str) -> Result<Option<Standing>, Box<dyn Error + Send + Sync>> {
+    fn load(&self, run: &str) -> Result<Option<SavedRun>, Box<dyn Error + Send + Sync>> {
         let kept = self.checkpoint.map_or(Ok(None), |it| it.part::<KeptRun>(run));
         let Some(KeptRun { standing, cpu_seconds }) = kept.map_err(|error| self.failed(error))?
         else {
@@ -92,7 +92,7 @@ impl Keep for KeptRuns<'_> {
         state.too_long.is_some() || checkpoint.is_due()
     }
 
-    fn keep(&self, run: &str, standing: Standing) -> Result<(), Box<dyn Error + Send + Sync>> {
+    fn keep(&self, run: &str, standing: SavedRun) -> Result<(), Box<dyn Error + Send + Sync>> {
         let Some(checkpoint) = self.checkpoint else { return Ok(()) };
         let kept = KeptRun { standing, cpu_seconds: self.cpu_seconds() };
         let too_long = self.state().too_long.clone();

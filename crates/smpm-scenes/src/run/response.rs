@@ -3,7 +3,7 @@
 use perturbation_moments::{Estimate, Uncertainty};
 use result_figures::number::short;
 use serde::Serialize;
-use smpm::uncertainty::{Exceedance, Sampled, Series, Switch};
+use smpm::uncertainty::{Sampled, Series, Switch, exceedance_of_normal};
 use smpm::{Error, Plan, Window};
 
 use crate::scene::{RandomScene, SmpmScene};
@@ -249,7 +249,7 @@ impl<const D: usize> Table<'_, D> {
             switch_within_two_deviations: switch.is_some_and(|s| s.at_end <= Switch::LIMIT),
         });
         for &level in self.levels(i) {
-            let Exceedance { probability, .. } = Exceedance::of_normal((mean, variance), level)?;
+            let probability = exceedance_of_normal(mean, variance, level)?;
             let (standard_error, by) = (None, "normal_law");
             response.exceedance.push(Chance { level, probability, standard_error, by });
         }

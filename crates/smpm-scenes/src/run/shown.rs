@@ -8,7 +8,7 @@ use crate::scene::{SmpmScene, UnitsScene};
 
 /// Frames so far: positions and columns of the particles that are shown. A checkpoint keeps them for a resumed run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct MotionData {
+pub(super) struct Frames {
     /// Every how many particles one is shown, known from the first frame on.
     stride: Option<usize>,
     n_particles: usize,
@@ -25,7 +25,7 @@ struct Column {
     values: Vec<Vec<f32>>,
 }
 
-impl MotionData {
+impl Frames {
     /// Keeps the frames whose times are wanted.
     fn retain(&mut self, is_wanted: impl Fn(f64) -> bool) {
         let wanted: Vec<bool> = self.times.iter().map(|&time| is_wanted(time)).collect();
@@ -54,7 +54,7 @@ pub(super) struct Shown {
     /// Bytes of a frame for each particle.
     n_layers: usize,
     takes_frame: bool,
-    seen: MotionData,
+    seen: Frames,
     /// Names of the quantities of the scene.
     asked: Vec<String>,
 }
@@ -76,13 +76,13 @@ impl Shown {
             n_frames: times.len(),
             n_layers,
             takes_frame: false,
-            seen: MotionData::default(),
+            seen: Frames::default(),
             asked: scene.quantities.iter().map(|name| name.replace('_', " ")).collect(),
         }
     }
 
     /// Takes up the frames of an interrupted run. It may have had other times, and then shown fewer or more of the particles.
-    pub(super) fn resume(&mut self, mut seen: MotionData) {
+    pub(super) fn resume(&mut self, mut seen: Frames) {
         if seen.stride != Some(self.stride(seen.n_particles)) {
             return;
         }
@@ -94,7 +94,7 @@ impl Shown {
     }
 
     /// The frames so far.
-    pub(super) const fn seen(&self) -> &MotionData {
+    pub(super) const fn seen(&self) -> &Frames {
         &self.seen
     }
 
@@ -134,7 +134,7 @@ impl Shown {
 
     /// All frames; none if none was seen.
     pub(super) fn motion(self) -> Option<Motion> {
-        let MotionData { stride, n_particles, times, positions, columns } = self.seen;
+        let Frames { stride, n_particles, times, positions, columns } = self.seen;
         if times.is_empty() {
             return None;
         }

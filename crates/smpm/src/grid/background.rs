@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use simd_lanes::dispatch;
+use simd_lanes::dispatch_narrow;
 
 use crate::config::{Config, Contact};
 use crate::error::Error;
@@ -16,7 +16,7 @@ use crate::grid::lattice::Lattice;
 use crate::grid::node::Node;
 use crate::grid::tile_size::{block_edge, block_len, corner_of, tile_edge, tile_len};
 use crate::grid::tiles::{Tile, Tiles};
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::parallel::{for_each_chunk, for_each_pair_of_chunks};
 use crate::points::body::Body;
 
@@ -58,7 +58,7 @@ pub(crate) struct Solve {
     pub(crate) with_mass: bool,
 }
 
-impl<S: Number, const D: usize> Grid<S, D> {
+impl<S: CarriedNumber, const D: usize> Grid<S, D> {
     pub(crate) fn new(config: &Config<D>, planes: Vec<Plane>, n_bodies: usize) -> Self {
         let (n_fields, friction) = match config.contact {
             Contact::Friction { coefficient } if n_bodies > 1 => (n_bodies, Some(coefficient)),
@@ -179,7 +179,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
         let (friction, cell) = (self.friction, self.lattice.cell);
         let both = (&mut self.nodes[..], &mut self.masses[..]);
         for_each_pair_of_chunks(both, n_fields * tile_len(D), &|slot, owned, masses| {
-            dispatch(
+            dispatch_narrow(
                 #[inline(always)]
                 || {
                     let acts = |plane: &Plane| {
@@ -235,7 +235,7 @@ impl<S: Number, const D: usize> Grid<S, D> {
     }
 }
 
-impl<S: Number, const D: usize> BlockSums<'_, S, D> {
+impl<S: CarriedNumber, const D: usize> BlockSums<'_, S, D> {
     /// Nodes of a tile in one field collect what is theirs, and find their velocities.
     #[inline(always)]
     fn solve(
@@ -263,7 +263,7 @@ enum Until {
 
 /// Momenta and forces become velocities and their changes: `v_i = (m v)_i / m_i`, `dt f_i / m_i`.
 #[inline(always)]
-fn find_velocities<S: Number, const D: usize>(
+fn find_velocities<S: CarriedNumber, const D: usize>(
     nodes: &mut [Node<S, D>],
     masses: &mut [S],
     (solve, until): (Solve, Until),
@@ -286,7 +286,7 @@ fn find_velocities<S: Number, const D: usize>(
 
 /// Velocities at the end of the step after contact, where no plane acts.
 #[inline(always)]
-fn add_changes<S: Number, const D: usize>(nodes: &mut [Node<S, D>]) {
+fn add_changes<S: CarriedNumber, const D: usize>(nodes: &mut [Node<S, D>]) {
     for node in nodes {
         for k in 0..D {
             node.velocity_mut()[k] = node.velocity()[k] + node.velocity_change()[k];
@@ -295,7 +295,7 @@ fn add_changes<S: Number, const D: usize>(nodes: &mut [Node<S, D>]) {
 }
 
 /// Sets velocities where planes act.
-fn constrain<S: Number, const D: usize>(
+fn constrain<S: CarriedNumber, const D: usize>(
     tile: &Tile<D>,
     owned: &mut [Node<S, D>],
     planes: &[Plane],

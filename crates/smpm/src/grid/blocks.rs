@@ -13,7 +13,7 @@ use crate::grid::tile_size::{
     HALO, block_edge, block_len, corner_of, signed, tile_edge, tile_len, tile_of,
 };
 use crate::grid::tiles::{Directory, MOST_DEPTH, NONE, Tile};
-use crate::number::Number;
+use crate::number::CarriedNumber;
 
 /// At a node the surfaces of so many bodies are summed once; those of further bodies again for each pair.
 const KEPT: usize = 4;
@@ -65,7 +65,7 @@ pub(crate) struct BlockSums<'a, S, const D: usize> {
     pub(crate) surfaces: &'a [Surface<S, D>],
 }
 
-impl<S: Number, const D: usize> BlockSums<'_, S, D> {
+impl<S: CarriedNumber, const D: usize> BlockSums<'_, S, D> {
     /// What all blocks hold of the nodes of a tile, row by row, in the order of the tiles below.
     #[inline(always)]
     pub(crate) fn collect(
@@ -252,7 +252,7 @@ impl<S: Number, const D: usize> BlockSums<'_, S, D> {
 }
 
 /// Fills the block of a tile from the nodes of its own and of the tiles above.
-pub(crate) fn fill<S: Number, const D: usize>(
+pub(crate) fn fill<S: CarriedNumber, const D: usize>(
     tile: &Tile<D>,
     owned: &[Node<S, D>],
     block: &mut [Node<S, D>],
@@ -304,7 +304,7 @@ fn for_each_image<'a, const D: usize>(
 }
 
 /// Nodes of a block beyond a mirror: a particle sees the image of the one on this side.
-pub(crate) fn fill_images<S: Number, const D: usize>(
+pub(crate) fn fill_images<S: CarriedNumber, const D: usize>(
     planes: &[Plane],
     (directory, tile): (&Directory<D>, &Tile<D>),
     nodes: &[Node<S, D>],
@@ -340,7 +340,7 @@ pub(crate) fn fill_images<S: Number, const D: usize>(
 }
 
 /// A node by its place.
-fn node_at<S: Number, const D: usize>(
+fn node_at<S: CarriedNumber, const D: usize>(
     directory: &Directory<D>,
     nodes: &[Node<S, D>],
     fields: Fields,

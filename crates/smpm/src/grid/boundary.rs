@@ -1,8 +1,10 @@
 //! Planes of the grid at which the motion is prescribed.
 
-use crate::error::{Error, not_negative, positive};
+use constitutive_models::{not_negative, positive};
+
+use crate::error::Error;
 use crate::grid::tile_size::signed;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 
 /// On which side of a plane the bodies are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,7 +115,7 @@ impl Plane {
     }
 
     /// A vector as the mirror shows it.
-    pub(crate) fn mirrored<S: Number, const D: usize>(&self, vector: [S; D]) -> [S; D] {
+    pub(crate) fn mirrored<S: CarriedNumber, const D: usize>(&self, vector: [S; D]) -> [S; D] {
         std::array::from_fn(|k| match self.kind {
             BoundaryKind::Symmetry if k != self.axis => vector[k],
             _ => -vector[k],
@@ -121,7 +123,7 @@ impl Plane {
     }
 
     /// Sets the velocity at a node on the plane or beyond it.
-    pub(crate) fn constrain<S: Number, const D: usize>(
+    pub(crate) fn constrain<S: CarriedNumber, const D: usize>(
         &self,
         node: i32,
         (dt, cell): (f64, f64),

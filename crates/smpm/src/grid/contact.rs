@@ -6,7 +6,7 @@
 )]
 
 use crate::grid::node::Node;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 
 /// Bodies are in contact at a node where they fill at least `1 - MOST_GAP` of the volume around it (no unit).
 ///
@@ -33,7 +33,7 @@ pub(crate) struct Surface<S, const D: usize> {
     pub(crate) outward: [S; D],
 }
 
-impl<S: Number, const D: usize> Surface<S, D> {
+impl<S: CarriedNumber, const D: usize> Surface<S, D> {
     #[inline(always)]
     pub(crate) fn none() -> Self {
         let zero = S::constant(0.0);
@@ -85,7 +85,7 @@ impl<S: Number, const D: usize> Surface<S, D> {
 /// Source: Bardenhagen et al. 2001 for the impulse on the whole approach, which is this one at $\beta = 1$; the split of the
 /// approach is ours.
 #[inline(always)]
-pub(crate) fn meet<S: Number, const D: usize>(
+pub(crate) fn meet<S: CarriedNumber, const D: usize>(
     (a, mass_a, of_a): (&mut Node<S, D>, S, &Surface<S, D>),
     (b, mass_b, of_b): (&mut Node<S, D>, S, &Surface<S, D>),
     Friction { coefficient, affine }: Friction,
@@ -123,7 +123,11 @@ pub(crate) fn meet<S: Number, const D: usize>(
 
 /// The part of a relative velocity across the normal.
 #[inline(always)]
-fn across<S: Number, const D: usize>(relative: &[S; D], approach: S, normal: &[S; D]) -> [S; D] {
+fn across<S: CarriedNumber, const D: usize>(
+    relative: &[S; D],
+    approach: S,
+    normal: &[S; D],
+) -> [S; D] {
     let mut slip = *relative;
     for k in 0..D {
         slip[k] = slip[k] - approach * normal[k];
@@ -133,7 +137,11 @@ fn across<S: Number, const D: usize>(relative: &[S; D], approach: S, normal: &[S
 
 /// The fraction of the slip that friction removes: one where the bodies stick.
 #[inline(always)]
-fn friction_share<S: Number, const D: usize>(slip: &[S; D], approach: S, coefficient: f64) -> S {
+fn friction_share<S: CarriedNumber, const D: usize>(
+    slip: &[S; D],
+    approach: S,
+    coefficient: f64,
+) -> S {
     let mut square = S::constant(0.0);
     for k in 0..D {
         square = square + slip[k].squared();

@@ -8,7 +8,7 @@
 use simd_lanes::dispatch_narrow;
 
 use crate::config::Config;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::parallel::for_each_chunk;
 use crate::transfer::shape::{Axis, Shape, lowest_node};
 
@@ -30,7 +30,7 @@ impl<const D: usize> Lattice<D> {
 
     /// The shape function of a particle along all axes, from the lowest node that it sees.
     #[inline(always)]
-    pub(crate) fn axes<S: Number, const NODES: usize>(
+    pub(crate) fn axes<S: CarriedNumber, const NODES: usize>(
         &self,
         position: &[S; D],
         lowest: &[i32; D],
@@ -44,7 +44,7 @@ impl<const D: usize> Lattice<D> {
     }
 
     /// The lowest node that each particle sees.
-    pub(crate) fn find_lowest_nodes<S: Number>(
+    pub(crate) fn find_lowest_nodes<S: CarriedNumber>(
         &self,
         shape: Shape,
         positions: &[[S; D]],

@@ -5,7 +5,7 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use crate::number::Number;
+use crate::number::CarriedNumber;
 
 /// Two vectors of a node, next to each other in memory so that rows of nodes are whole registers. From particle-to-grid to the
 /// solution at the nodes: [momentum](Self::momentum) and [force](Self::force). From there to grid-to-particle:
@@ -31,7 +31,7 @@ macro_rules! vector {
     };
 }
 
-impl<S: Number, const D: usize> Node<S, D> {
+impl<S: CarriedNumber, const D: usize> Node<S, D> {
     vector! {
         /// `(m v)_i`, before the solution.
         momentum, momentum_mut: 0;

@@ -5,7 +5,7 @@ use crate::grid::background::Grid;
 use crate::grid::binning::Binning;
 use crate::grid::contact::Surface;
 use crate::grid::tile_size::block_edge;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 use crate::points::particles::Particles;
 use crate::transfer::shape::Shape;
@@ -13,7 +13,7 @@ use crate::transfer::shape::{Axis, outer};
 
 /// Sums volumes and their gradients, `V_p N_i` and `V_p grad N_i` per cell over the volume of a cell, at the nodes of all
 /// blocks. Where axisymmetric the volumes are those of the cross-section.
-pub(crate) fn sum_surfaces<S: Number, const D: usize>(
+pub(crate) fn sum_surfaces<S: CarriedNumber, const D: usize>(
     grid: &mut Grid<S, D>,
     bodies: &[Body<S, D>],
     config: &Config<D>,
@@ -42,7 +42,7 @@ pub(crate) fn sum_surfaces<S: Number, const D: usize>(
 }
 
 /// A particle at every node that it sees: `n_nodes` along each axis.
-fn add<S: Number, const D: usize>(
+fn add<S: CarriedNumber, const D: usize>(
     axes: &[Axis<S>; D],
     n_nodes: usize,
     volume: S,

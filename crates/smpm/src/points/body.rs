@@ -2,15 +2,18 @@
 
 use std::sync::OnceLock;
 
-use crate::error::{Error, finite, positive};
+use crate::error::Error;
 use crate::grid::binning::Binning;
-use crate::number::Number;
+use crate::number::CarriedNumber;
+use crate::points::compiled_points::Number;
 use crate::points::fill::Fill;
 use crate::points::material_points::{MaterialPoints, Points};
-use crate::points::particles::{Chunk, Particles, Row};
+use crate::points::particles::{Chunk, ParticleNumbers, Particles};
 use crate::points::points_in_lanes::PointsInLanes;
 use constitutive_models::tensor::Symmetric;
-use constitutive_models::{LocalResponse, LocalState, Material, MaterialFamily, Observed, Varying};
+use constitutive_models::{
+    LocalResponse, LocalState, Material, MaterialFamily, Model, Observed, finite, positive,
+};
 
 /// A body: particles of one material, in `D` dimensions, with numbers `S`.
 ///
@@ -26,55 +29,6 @@ pub struct Body<S, const D: usize> {
     /// Where each particle is in memory; empty while all are at their numbers.
     places: Vec<u32>,
     views: Views<S, D>,
-}
-
-/// The particles of a material: several at once where it is compiled with this crate, else one by one, compiled for the caller.
-fn points_of<M, S>(material: M, plane: bool, places: &[[f64; 3]]) -> Box<dyn MaterialPoints<S>>
-where
-    M: Material<S> + 'static,
-    S: Number,
-    M::State: 'static,
-{
-    // The unit tests run no step.
-    #[cfg(not(test))]
-    if const { M::IS_COMPILED && S::IS_COMPILED } {
-        let of_this_material = |make: &&(dyn std::any::Any + Send + Sync)| {
-            make.downcast_ref::<crate::points::compiled_points::Make<M, S>>().copied()
-        };
-        return match crate::points::compiled_points::makers().iter().find_map(of_this_material) {
-            Some(make) => make(material, plane, places),
-            None => unreachable!("the points of this material are compiled"),
-        };
-    }
-    Box::new(Points::<M, S>::at_start(material, plane, places))
-}
-
-/// The same for a material whose constants vary, by that of each particle.
-fn varying_points_of<M, S>(
-    materials: &[M],
-    plane: bool,
-    places: &[[f64; 3]],
-) -> Box<dyn MaterialPoints<S>>
-where
-    M: Material<S> + Copy + 'static,
-    S: Number,
-    M::State: 'static,
-{
-    #[cfg(not(test))]
-    if const { M::IS_COMPILED_VARYING && S::IS_COMPILED } {
-        let of_this_material = |make: &&(dyn std::any::Any + Send + Sync)| {
-            make.downcast_ref::<crate::points::compiled_points::MakeVarying<M, S>>().copied()
-        };
-        return match crate::points::compiled_points::varying_makers()
-            .iter()
-            .find_map(of_this_material)
-        {
-            Some(make) => make(materials, plane, places),
-            None => unreachable!("the varying points of this material are compiled"),
-        };
-    }
-    let states = Varying::starts::<S>(materials, places);
-    Box::new(Points::<Varying<M>, S>::of_states(Varying::like(materials[0]), plane, states))
 }
 
 /// An error in the constants of a particle.
@@ -102,28 +56,25 @@ impl<S, const D: usize> Views<S, D> {
 }
 
 impl<S: Number, const D: usize> Body<S, D> {
-    /// Particles of a material, all with one velocity.
+    /// Particles of a material of `constitutive-models`, all with one velocity.
     ///
     /// # Errors
-    /// [`Error::EmptyBody`]; [`Error::Parameter`] for a spacing or the density, [`Error::Parameter`] for a place or a
-    /// velocity.
-    pub fn new<M: Material<S> + 'static>(
-        material: M,
+    /// [`Error::EmptyBody`]; [`Error::Parameter`] for a spacing, the density, a place or a velocity.
+    pub fn new(
+        material: impl Into<Model<S>>,
         fill: &Fill<D>,
         velocity: [f64; D],
-    ) -> Result<Self, Error>
-    where
-        M::State: 'static,
-    {
-        let density = material.density();
-        Self::of(&|_| density, fill, velocity, |places| points_of(material, D < 3, places))
+    ) -> Result<Self, Error> {
+        let (model, plane) = (material.into(), D < 3);
+        let density = model.density();
+        Self::of(&|_| density, fill, velocity, |places| S::points(&model, plane, places))
     }
 
     /// Particles of a material whose constants differ from particle to particle, all with one velocity: `material` makes that of
     /// a particle, by its number and place. Density, and so mass, may vary too.
     ///
-    /// Bitwise [`new`](Self::new) where all particles have the same constants. Linear elasticity, and Mie-Grüneisen with von Mises
-    /// or Johnson-Cook, are computed several particles at once; others one by one, compiled for the caller.
+    /// Bitwise [`new`](Self::new) where all particles have the same constants. Those of linear elasticity, and of Mie-Grüneisen with
+    /// von Mises or Johnson-Cook, can vary ([`Model::can_vary`]).
     ///
     /// ```
     /// use smpm::material::{LinearElasticParameters, LinearElasticSolid};
@@ -142,32 +93,41 @@ impl<S: Number, const D: usize> Body<S, D> {
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::AtParticle`] for constants that a particle cannot have, with the reason;
-    /// [`Error::ConstantsNotShown`] for a material that does not show all of its constants
-    /// ([`Material::visit_constants`]), as an explosive with its detonation point.
-    pub fn varying<M>(
+    /// [`Error::ConstantsCannotVary`] for another material.
+    pub fn varying<M: Into<Model<S>>>(
         mut material: impl FnMut(usize, &[f64; D]) -> Result<M, Error>,
         fill: &Fill<D>,
         velocity: [f64; D],
-    ) -> Result<Self, Error>
-    where
-        M: Material<S> + Copy + 'static,
-        M::State: 'static,
-    {
-        let _ = fill.checked()?;
+    ) -> Result<Self, Error> {
+        let places = fill.checked()?;
         let make = |(particle, place): (usize, &[f64; D])| {
             let refused = |reason| at_particle(particle, place, reason);
-            let made = material(particle, place).map_err(refused)?;
-            positive("density", made.density().value()).map_err(refused)?;
+            let made: Model<S> = material(particle, place).map_err(refused)?.into();
+            positive("density", made.density().value()).map_err(|it| refused(it.into()))?;
             Ok(made)
         };
-        let made =
-            fill.positions.iter().enumerate().map(make).collect::<Result<Vec<M>, Error>>()?;
-        let shows_constants = |mut material: M| material.visit_constants(|_: &mut S| ());
-        if !made.first().is_some_and(|&material| shows_constants(material)) {
-            return Err(Error::ConstantsNotShown);
-        }
-        let density = |particle: usize| made[particle].density();
-        Self::of(&density, fill, velocity, |places| varying_points_of(&made, D < 3, places))
+        let models =
+            fill.positions.iter().enumerate().map(make).collect::<Result<Vec<_>, Error>>()?;
+        let points =
+            S::varying_points(&models, D < 3, &places).ok_or(Error::ConstantsCannotVary)?;
+        Self::of(&|particle| models[particle].density(), fill, velocity, |_| points)
+    }
+}
+
+impl<S: CarriedNumber, const D: usize> Body<S, D> {
+    /// Particles of a material from outside, one by one, compiled for the caller.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn one_by_one<M: Material<S, State: 'static> + 'static>(
+        material: M,
+        fill: &Fill<D>,
+        velocity: [f64; D],
+    ) -> Result<Self, Error> {
+        let density = material.density();
+        Self::of(&|_| density, fill, velocity, |places| {
+            Box::new(Points::at_start(material, D < 3, places))
+        })
     }
 
     fn of(
@@ -207,13 +167,13 @@ impl<S: Number, const D: usize> Body<S, D> {
 
     /// Calls with a copy of every number of a particle, by its place in memory; whether that is all of it.
     pub(crate) fn show_numbers(&self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
-        Row::of(&self.particles, place).visit_numbers(visit);
+        ParticleNumbers::of(&self.particles, place).visit_numbers(visit);
         self.points.show_numbers(place, visit)
     }
 
     /// The same with the numbers themselves, to be written.
     pub(crate) fn visit_numbers(&mut self, place: usize, visit: &mut dyn FnMut(&mut S)) -> bool {
-        let mut row = Row::of(&self.particles, place);
+        let mut row = ParticleNumbers::of(&self.particles, place);
         row.visit_numbers(visit);
         row.put(&mut self.particles, place);
         self.points.visit_numbers(place, visit)
@@ -355,19 +315,16 @@ impl<S: Number, const D: usize> Body<S, D> {
 }
 
 impl<const D: usize> Body<f64, D> {
-    /// As [`new`](Self::new), for a material from outside this crate whose text serves several particles at once: bitwise
-    /// identical, and faster. Materials of this crate are computed so by `new` too.
+    /// As [`one_by_one`](Self::one_by_one), for a material whose text serves several particles at once: bitwise identical, and
+    /// faster. Materials of `constitutive-models` are computed so by [`new`](Self::new).
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn in_lanes<M: MaterialFamily<f64> + 'static>(
+    pub fn in_lanes<M: MaterialFamily<f64, State: 'static> + 'static>(
         material: M,
         fill: &Fill<D>,
         velocity: [f64; D],
-    ) -> Result<Self, Error>
-    where
-        <M as Material<f64>>::State: 'static,
-    {
+    ) -> Result<Self, Error> {
         let density = material.density();
         Self::of(&|_| density, fill, velocity, |places| {
             Box::new(PointsInLanes::at_start(material, D < 3, places))

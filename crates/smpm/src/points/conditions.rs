@@ -9,7 +9,7 @@
 use std::ops::Range;
 
 use crate::grid::binning::permute_by;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use constitutive_models::tensor::Symmetric;
 
 /// What the material made of one particle.
@@ -72,7 +72,7 @@ pub(crate) struct ColumnsMut<'a, S> {
     pub(crate) rate: &'a mut [f64],
 }
 
-impl<S: Number> Conditions<S> {
+impl<S: CarriedNumber> Conditions<S> {
     /// Of particles in the order of memory.
     pub(crate) fn of(particles: impl ExactSizeIterator<Item = Condition<S>>) -> Self {
         let n = particles.len();
@@ -117,7 +117,7 @@ impl<S: Number> Conditions<S> {
     }
 }
 
-impl<S: Number> Columns<'_, S> {
+impl<S: CarriedNumber> Columns<'_, S> {
     /// A range of the particles.
     #[inline(always)]
     pub(crate) fn part(&self, range: Range<usize>) -> Self {
@@ -145,7 +145,7 @@ impl<S: Number> Columns<'_, S> {
     }
 }
 
-impl<S: Number> ColumnsMut<'_, S> {
+impl<S: CarriedNumber> ColumnsMut<'_, S> {
     /// The first so many particles, and the others.
     pub(crate) fn halves(&mut self, middle: usize) -> (ColumnsMut<'_, S>, ColumnsMut<'_, S>) {
         let mut further: [&mut [S]; 6] = Default::default();
@@ -214,7 +214,7 @@ impl<S: Number> ColumnsMut<'_, S> {
     }
 }
 
-impl<S: Number> Condition<S> {
+impl<S: CarriedNumber> Condition<S> {
     pub(crate) fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut S)) {
         let Self { stress, viscosity, volume, wave_speed, rate } = self;
         let mut number = S::constant(*rate);

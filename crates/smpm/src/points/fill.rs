@@ -1,6 +1,8 @@
 //! Where the particles of a body start.
 
-use crate::error::{Error, finite, positive};
+use constitutive_models::{finite, positive};
+
+use crate::error::Error;
 
 /// Where the particles of a body start.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,11 +8,11 @@
 use std::ops::Range;
 
 use perturbation_moments::{Real, when};
-use simd_lanes::{Mask, dispatch};
+use simd_lanes::{Mask, dispatch_narrow};
 
 use crate::config::BulkViscosity;
 use crate::grid::binning::permute;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::conditions::{Columns, ColumnsMut, Condition, Conditions};
 use crate::transfer::velocity_gradients::VelocityGradients;
 use constitutive_models::Fault;
@@ -69,7 +69,7 @@ pub(crate) trait MaterialPoints<S>: std::fmt::Debug + Send + Sync {
 }
 
 /// A material with what it keeps of all particles of a body, one by one: for a material that looks at values.
-pub(crate) struct Points<M: Material<S>, S: Number> {
+pub(crate) struct Points<M: Material<S>, S: CarriedNumber> {
     material: M,
     density: S,
     /// Whether the motion is known to stay in the plane of the first two axes.
@@ -78,23 +78,24 @@ pub(crate) struct Points<M: Material<S>, S: Number> {
     conditions: Conditions<S>,
 }
 
-impl<M: Material<S>, S: Number> Points<M, S> {
+impl<M: Material<S>, S: CarriedNumber> Points<M, S> {
     /// All particles as they start, at their places.
     pub(crate) fn at_start(material: M, plane: bool, places: &[[f64; 3]]) -> Self {
-        let states = places.iter().map(|&place| material.start(place)).collect();
-        Self::of_states(material, plane, states)
+        let states: Vec<M::State> = places.iter().map(|&place| material.start(place)).collect();
+        Self::of_states(material, plane, &states)
     }
 
     /// Particles in these states.
     #[inline(never)]
-    pub(crate) fn of_states(material: M, plane: bool, states: Vec<M::State>) -> Self {
+    pub(crate) fn of_states(material: M, plane: bool, states: &[M::State]) -> Self {
         let at_start = |state| Condition::at_start(&material, state);
         let conditions = Conditions::of(states.iter().map(at_start));
+        let states = states.to_vec();
         Self { density: material.density(), material, plane, states, conditions }
     }
 }
 
-impl<S: Number> Condition<S> {
+impl<S: CarriedNumber> Condition<S> {
     pub(crate) fn at_start<M: Material<S>>(material: &M, state: &M::State) -> Self {
         let one = S::constant(1.0);
         Self {
@@ -173,7 +174,7 @@ pub(crate) fn next<M: Material<S>, S: Real>(
     Ok(())
 }
 
-impl<S: Number> From<Next<S>> for Condition<S> {
+impl<S: CarriedNumber> From<Next<S>> for Condition<S> {
     #[inline(always)]
     fn from(next: Next<S>) -> Self {
         let Next { stress, viscosity, volume, wave_speed, rate } = next;
@@ -182,7 +183,7 @@ impl<S: Number> From<Next<S>> for Condition<S> {
 }
 
 /// A material with what it keeps of a run of particles.
-struct Portion<'a, M: Material<S>, S: Number> {
+struct Portion<'a, M: Material<S>, S: CarriedNumber> {
     material: &'a M,
     density: S,
     plane: bool,
@@ -190,7 +191,7 @@ struct Portion<'a, M: Material<S>, S: Number> {
     conditions: ColumnsMut<'a, S>,
 }
 
-impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
+impl<M: Material<S>, S: CarriedNumber> MaterialUpdate<S> for Portion<'_, M, S> {
     fn split(&mut self, middle: usize, work: &mut Halves<'_, S>) {
         let Self { material, density, plane, .. } = *self;
         let (states, further_states) = self.states.split_at_mut(middle);
@@ -211,7 +212,7 @@ impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
         let (of, plane) = ((self.material, self.density), self.plane);
         let (states, mut conditions) =
             (&mut self.states[range.clone()], self.conditions.part(range));
-        dispatch(
+        dispatch_narrow(
             #[inline(always)]
             || {
                 let mut first = None;
@@ -241,7 +242,7 @@ impl<M: Material<S>, S: Number> MaterialUpdate<S> for Portion<'_, M, S> {
     }
 }
 
-impl<M: Material<S> + 'static, S: Number> MaterialPoints<S> for Points<M, S>
+impl<M: Material<S> + 'static, S: CarriedNumber> MaterialPoints<S> for Points<M, S>
 where
     M::State: 'static,
 {
@@ -283,7 +284,7 @@ where
     }
 }
 
-impl<M: Material<S>, S: Number> std::fmt::Debug for Points<M, S> {
+impl<M: Material<S>, S: CarriedNumber> std::fmt::Debug for Points<M, S> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { material, density, states, conditions, .. } = self;
         let mut fields = formatter.debug_struct("Points");

@@ -3,7 +3,6 @@
 //! Materials are those of the crate constitutive-models. Nodes are reached through the transfer alone.
 
 pub(crate) mod body;
-#[cfg(not(test))]
 pub(crate) mod compiled_points;
 pub(crate) mod conditions;
 pub(crate) mod fill;

@@ -9,7 +9,7 @@ use simd_lanes::dispatch_narrow;
 
 use crate::config::Config;
 use crate::grid::background::Grid;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::parallel::join;
 use crate::points::body::Body;
 use crate::points::conditions::Columns;
@@ -33,7 +33,7 @@ pub(crate) struct ParticlePass<'a, S, const D: usize> {
     strain: Strain,
 }
 
-impl<'a, S: Number, const D: usize> ParticlePass<'a, S, D> {
+impl<'a, S: CarriedNumber, const D: usize> ParticlePass<'a, S, D> {
     /// A pass of a step of `dt` that ends at `time`.
     pub(crate) fn of(
         grid: &'a Grid<S, D>,

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::config::{Config, Geometry, Transfer};
 use crate::grid::binning::{Binning, permute};
-use crate::number::{Number, is_finite};
+use crate::number::{CarriedNumber, is_finite};
 use crate::points::fill::Fill;
 use constitutive_models::Fault;
 
@@ -96,7 +96,7 @@ impl<S, const D: usize> Chunk<'_, S, D> {
     }
 }
 
-impl<S: Number, const D: usize> Particles<S, D> {
+impl<S: CarriedNumber, const D: usize> Particles<S, D> {
     /// Particles at rest at the places of a fill, or all with one velocity.
     pub(crate) fn of(fill: &Fill<D>, velocity: [f64; D], density: &dyn Fn(usize) -> S) -> Self {
         let (n, volume) = (fill.positions.len(), fill.spacing.iter().product::<f64>());
@@ -145,7 +145,7 @@ impl<S: Number, const D: usize> Particles<S, D> {
     }
 }
 
-impl<S: Number, const D: usize> Chunk<'_, S, D> {
+impl<S: CarriedNumber, const D: usize> Chunk<'_, S, D> {
     /// Moves the particles: `x += dt sum_i v_i N_i`. Returns whether all of them are then inside the limits; [`Self::check`]
     /// names those that are not.
     #[inline(always)]
@@ -184,7 +184,7 @@ impl<S: Number, const D: usize> Chunk<'_, S, D> {
 }
 
 /// What snapshots hold of a particle besides its material; columns that the configuration leaves out are `None`.
-pub(crate) struct Row<S, const D: usize> {
+pub(crate) struct ParticleNumbers<S, const D: usize> {
     position: [S; D],
     velocity: [S; D],
     affine: Option<[[S; D]; D]>,
@@ -192,7 +192,7 @@ pub(crate) struct Row<S, const D: usize> {
     reference_volume: f64,
 }
 
-impl<S: Number, const D: usize> Row<S, D> {
+impl<S: CarriedNumber, const D: usize> ParticleNumbers<S, D> {
     pub(crate) fn of(particles: &Particles<S, D>, place: usize) -> Self {
         Self {
             position: particles.position[place],

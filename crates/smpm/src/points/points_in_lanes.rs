@@ -11,7 +11,7 @@
 use std::ops::Range;
 
 use perturbation_moments::InLanes;
-use simd_lanes::{Registers, SimdLevel, Work, dispatch};
+use simd_lanes::{Registers, SimdLevel, Work, dispatch_narrow};
 
 use crate::grid::binning::permute_by;
 use crate::points::conditions::{Columns, ColumnsMut, Condition, Conditions};
@@ -182,7 +182,7 @@ impl<M: MaterialFamily<f64>> MaterialUpdate<f64> for Portion<'_, M> {
     }
 
     fn add_energies(&self, range: Range<usize>, reference_volumes: &[f64], sum: &mut f64) {
-        *sum += dispatch(
+        *sum += dispatch_narrow(
             #[inline(always)]
             || {
                 let mut energies = Sums::none();

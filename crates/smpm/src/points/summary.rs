@@ -6,7 +6,7 @@
 )]
 
 use crate::config::{BulkViscosity, Config};
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::conditions::Columns;
 use crate::points::particles::{BATCH, Chunk};
 use constitutive_models::Fault;
@@ -93,7 +93,7 @@ impl Sums {
 
 /// The speed at which a signal crosses the grid: `abs v + Q + sqrt(Q^2 + c^2)`, by the wave speed `c` and the rate `tr L`.
 #[inline(always)]
-pub(crate) fn signal_speed<S: Number, const D: usize>(
+pub(crate) fn signal_speed<S: CarriedNumber, const D: usize>(
     velocity: &[S; D],
     (c, rate): (f64, f64),
     config: &Config<D>,
@@ -111,7 +111,7 @@ pub(crate) fn signal_speed<S: Number, const D: usize>(
 
 /// Adds a batch of particles to what is seen.
 #[inline(always)]
-pub(crate) fn look<S: Number, const D: usize>(
+pub(crate) fn look<S: CarriedNumber, const D: usize>(
     chunk: &Chunk<'_, S, D>,
     conditions: &Columns<'_, S>,
     config: &Config<D>,

@@ -1,7 +1,7 @@
 //! A run that is looked at, and its steps, for runs that are to take the same.
 
 use crate::error::Error;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::record::observation::{Located, Plan, Quantity, Window};
 use crate::simulation::Simulation;
 
@@ -89,7 +89,7 @@ pub(crate) trait Reader<S, T, const D: usize> {
 /// As recorded so far.
 pub(crate) struct Plain;
 
-impl<S: Number, const D: usize> Reader<S, S, D> for Plain {
+impl<S: CarriedNumber, const D: usize> Reader<S, S, D> for Plain {
     fn read(&self, run: &Simulation<S, D>, gauge: &Located, quantity: Quantity) -> S {
         gauge.mean_over(|particle| quantity.read(&run.bodies()[gauge.body], particle))
     }
@@ -103,8 +103,8 @@ struct Windows<'a, T, R, const D: usize> {
     gathered: Gathered<T>,
 }
 
-impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
-    fn read<S: Number>(&self, run: &Simulation<S, D>) -> Vec<T>
+impl<T: CarriedNumber, R, const D: usize> Windows<'_, T, R, D> {
+    fn read<S: CarriedNumber>(&self, run: &Simulation<S, D>) -> Vec<T>
     where
         R: Reader<S, T, D>,
     {
@@ -123,7 +123,7 @@ impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
         }
     }
 
-    fn instant<S: Number>(&mut self, run: &Simulation<S, D>, time: f64)
+    fn instant<S: CarriedNumber>(&mut self, run: &Simulation<S, D>, time: f64)
     where
         R: Reader<S, T, D>,
     {
@@ -135,9 +135,9 @@ impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
     }
 }
 
-impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
+impl<T: CarriedNumber, R, const D: usize> Windows<'_, T, R, D> {
     /// Runs to a stop from where the run is, which may be between the stop before it and this one.
-    fn run_to<S: Number>(
+    fn run_to<S: CarriedNumber>(
         &mut self,
         run: &mut Simulation<S, D>,
         (stops, number): (&[f64], usize),
@@ -179,7 +179,7 @@ impl<T: Number, R, const D: usize> Windows<'_, T, R, D> {
     }
 }
 
-impl<S: Number, const D: usize> Simulation<S, D> {
+impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// Runs to the end of the last window of a plan; a window with a span is averaged by the trapezoidal rule over the steps.
     /// The simulation must be at its start. Gauges are found there, and go with the material.
     ///
@@ -199,7 +199,7 @@ impl<S: Number, const D: usize> Simulation<S, D> {
         Ok(self.record_by(plan, Some(schedule), &Plain, &mut ())?.values)
     }
 
-    pub(crate) fn record_by<T: Number>(
+    pub(crate) fn record_by<T: CarriedNumber>(
         &mut self,
         plan: &Plan<D>,
         schedule: Option<&Schedule>,

@@ -5,8 +5,10 @@ use std::str::FromStr;
 
 use perturbation_moments::Scalar;
 
-use crate::error::{Error, finite};
-use crate::number::Number;
+use constitutive_models::finite;
+
+use crate::error::Error;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 use crate::record::interpolation::linear;
 use crate::simulation::Simulation;
@@ -107,7 +109,7 @@ impl Quantity {
     ///
     /// # Errors
     /// [`Error::NoSuchAxis`], [`Error::NoSuchParticle`].
-    pub fn of<S: Number, const D: usize>(
+    pub fn of<S: CarriedNumber, const D: usize>(
         self,
         body: &Body<S, D>,
         particle: usize,
@@ -120,7 +122,11 @@ impl Quantity {
         Ok(self.read(body, particle))
     }
 
-    pub(crate) fn read<S: Number, const D: usize>(self, body: &Body<S, D>, particle: usize) -> S {
+    pub(crate) fn read<S: CarriedNumber, const D: usize>(
+        self,
+        body: &Body<S, D>,
+        particle: usize,
+    ) -> S {
         let stress = || body.stress(particle);
         match self {
             Self::Pressure => body.pressure(particle),
@@ -238,7 +244,10 @@ impl<const D: usize> Plan<D> {
     ///
     /// # Errors
     /// Those of the plan, as a run of it.
-    pub fn interpolated<S: Number>(&self, simulation: &Simulation<S, D>) -> Result<Self, Error> {
+    pub fn interpolated<S: CarriedNumber>(
+        &self,
+        simulation: &Simulation<S, D>,
+    ) -> Result<Self, Error> {
         let located = self.resolve(simulation)?;
         let moved = |(gauge, located): (&Gauge<D>, &Located)| {
             let place = match gauge.place {
@@ -262,7 +271,7 @@ impl<const D: usize> Plan<D> {
     /// [`Error::EmptyPlan`]; [`Error::NoSuchBody`], [`Error::NoSuchAxis`]; [`Error::Parameter`] for a place or a time,
     /// [`Error::WindowOrder`]; [`Error::GaugeOutsideBody`] for a point farther from the nearest particle than half the
     /// diagonal of its box, [`Error::EmptyGauge`] for a region without particles.
-    pub(crate) fn resolve<S: Number>(
+    pub(crate) fn resolve<S: CarriedNumber>(
         &self,
         simulation: &Simulation<S, D>,
     ) -> Result<Vec<Located>, Error> {
@@ -303,14 +312,14 @@ pub(crate) struct Located {
 
 impl Located {
     /// The weighted mean over its particles.
-    pub(crate) fn mean_over<T: Number>(&self, of: impl Fn(usize) -> T) -> T {
+    pub(crate) fn mean_over<T: CarriedNumber>(&self, of: impl Fn(usize) -> T) -> T {
         let zero = T::constant(0.0);
         self.particles.iter().fold(zero, |sum, &(particle, weight)| sum + of(particle) * weight)
     }
 }
 
 impl<const D: usize> Gauge<D> {
-    fn locate<S: Number>(&self, simulation: &Simulation<S, D>) -> Result<Located, Error> {
+    fn locate<S: CarriedNumber>(&self, simulation: &Simulation<S, D>) -> Result<Located, Error> {
         let limit = simulation.bodies().len();
         let Some(body) = simulation.bodies().get(self.body) else {
             return Err(Error::NoSuchBody { name: self.name.clone(), value: self.body, limit });

@@ -3,55 +3,10 @@
 use std::io::{Read, Write};
 
 use particle_store::{Attribute, ParticleStore};
-use perturbation_moments::{Jet, LANES};
 
 use crate::error::Error;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
-
-/// A number that a snapshot can hold: `f64`, or a [`Jet`] with all its derivatives.
-pub trait Stored: Number {
-    /// How many `f64` it is made of.
-    const PARTS: usize;
-
-    /// Part number `part`.
-    fn part(&self, part: usize) -> f64;
-
-    /// From its parts: `part(k)` is number `k`.
-    fn from_parts(part: impl Fn(usize) -> f64) -> Self;
-}
-
-impl Stored for f64 {
-    const PARTS: usize = 1;
-
-    fn part(&self, _part: usize) -> f64 {
-        *self
-    }
-
-    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
-        part(0)
-    }
-}
-
-impl Stored for Jet {
-    const PARTS: usize = 1 + 2 * LANES;
-
-    fn part(&self, part: usize) -> f64 {
-        match part {
-            0 => self.value,
-            _ if part <= LANES => self.first[part - 1],
-            _ => self.second[part - 1 - LANES],
-        }
-    }
-
-    fn from_parts(part: impl Fn(usize) -> f64) -> Self {
-        Self {
-            value: part(0),
-            first: std::array::from_fn(|k| part(1 + k)),
-            second: std::array::from_fn(|k| part(1 + LANES + k)),
-        }
-    }
-}
 
 /// What a simulation holds besides its particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +27,7 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    fn of<S: Stored, const D: usize>(body: &Body<S, D>) -> Option<Self> {
+    fn of<S: CarriedNumber, const D: usize>(body: &Body<S, D>) -> Option<Self> {
         let number = body.particles.number.clone();
         let mut columns: Vec<Vec<f64>> = vec![];
         for place in 0..number.len() {
@@ -93,7 +48,7 @@ impl Columns {
         Some(Self { number, columns })
     }
 
-    fn put<S: Stored, const D: usize>(&self, body: &mut Body<S, D>) {
+    fn put<S: CarriedNumber, const D: usize>(&self, body: &mut Body<S, D>) {
         body.particles.number.clone_from(&self.number);
         for place in 0..self.number.len() {
             let mut next = 0;
@@ -112,7 +67,7 @@ fn name(column: usize, parts: usize) -> String {
 }
 
 /// Writes all bodies, one store after the other; the clock is in each.
-pub(crate) fn write<S: Stored, const D: usize>(
+pub(crate) fn write<S: CarriedNumber, const D: usize>(
     bodies: &[Body<S, D>],
     clock: Clock,
     mut writer: impl Write,
@@ -145,7 +100,7 @@ pub(crate) fn write<S: Stored, const D: usize>(
 }
 
 /// Reads what was written for bodies like these; they are changed only if all of it fits.
-pub(crate) fn read<S: Stored, const D: usize>(
+pub(crate) fn read<S: CarriedNumber, const D: usize>(
     bodies: &mut [Body<S, D>],
     mut reader: impl Read,
 ) -> Result<Clock, Error> {

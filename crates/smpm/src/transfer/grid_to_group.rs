@@ -58,10 +58,10 @@ pub(crate) fn grid_to_groups<const D: usize>(
 ) {
     match transfer.shape {
         Shape::QuadraticBSpline => {
-            level.run(ChunkInLanes::<D, 3> { transfer, grid, chunk, gradients });
+            level.run_narrow(ChunkInLanes::<D, 3> { transfer, grid, chunk, gradients });
         }
         Shape::CubicBSpline => {
-            level.run(ChunkInLanes::<D, 4> { transfer, grid, chunk, gradients });
+            level.run_narrow(ChunkInLanes::<D, 4> { transfer, grid, chunk, gradients });
         }
     }
 }

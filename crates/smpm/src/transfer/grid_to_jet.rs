@@ -19,7 +19,7 @@ use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 
 use crate::grid::background::Grid;
 use crate::grid::node::Node;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::particles::Chunk;
 use crate::transfer::particle_motion::{GridToParticle, Pass, Sums};
 use crate::transfer::shape::{Shape, nodes_spanned};
@@ -41,7 +41,7 @@ struct GridToJet<'a, 'b, S, const D: usize, const NODES: usize> {
 
 impl<const D: usize> GridToParticle<D> {
     /// What the pass asks of all particles of a chunk, one by one; velocity gradients go into `gradients`.
-    pub(crate) fn one_by_one<S: Number>(
+    pub(crate) fn one_by_one<S: CarriedNumber>(
         self,
         grid: &Grid<S, D>,
         chunk: &mut Chunk<'_, S, D>,
@@ -70,7 +70,7 @@ struct Moments<V> {
 impl<V: Lanes<Number = f64>> Moments<V> {
     /// `sum_i u_i N_i^(t)` at the place of the particle, with its derivatives.
     #[inline(always)]
-    fn write<S: Number, R: Registers<f64, Vector = V>, const D: usize>(
+    fn write<S: CarriedNumber, R: Registers<f64, Vector = V>, const D: usize>(
         &self,
         registers: R,
         (t, to): (usize, &mut S),
@@ -87,9 +87,6 @@ impl<V: Lanes<Number = f64>> Moments<V> {
             first = first + shift.first[l] * registers.splat(self.value[next[t][l]]);
         }
         store(registers, first, (to, 1), at);
-        if S::ORDER < 2 {
-            return;
-        }
         let mut second = self.second[t];
         for l in 0..D {
             let slope = self.first[next[t][l]];
@@ -115,7 +112,7 @@ enum Entry {
 
 impl Entry {
     #[inline(always)]
-    fn of<S: Number, const D: usize>(self, node: &Node<S, D>) -> &S {
+    fn of<S: CarriedNumber, const D: usize>(self, node: &Node<S, D>) -> &S {
         match self {
             Self::Velocity(c) => &node.velocity()[c],
             Self::Change(c) => &node.velocity_change()[c],
@@ -123,7 +120,7 @@ impl Entry {
     }
 }
 
-impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODES> {
+impl<S: CarriedNumber, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODES> {
     /// What the pass asks of all particles of the chunk; wide registers hold derivatives alone.
     fn find_all(self) {
         if const { S::ORDER > 0 } {
@@ -157,8 +154,6 @@ impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODE
                 #[inline(always)]
                 |i| load(registers, entry.of(&nodes[i]), 1, at),
             );
-        }
-        if S::ORDER > 1 {
             second = weights.gather(
                 (nothing, times),
                 highest,
@@ -209,7 +204,9 @@ impl<S: Number, const D: usize, const NODES: usize> GridToJet<'_, '_, S, D, NODE
     }
 }
 
-impl<S: Number, const D: usize, const NODES: usize> Work<f64> for GridToJet<'_, '_, S, D, NODES> {
+impl<S: CarriedNumber, const D: usize, const NODES: usize> Work<f64>
+    for GridToJet<'_, '_, S, D, NODES>
+{
     type Output = ();
 
     #[inline(always)]

@@ -19,7 +19,7 @@ use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 
 use crate::grid::node::Node;
 use crate::grid::tile_size::block_edge;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 use crate::transfer::particle_terms::{ENTRY, Given, ParticleToGrid, Run};
 use crate::transfer::shape::{Shape, nodes_along, nodes_spanned};
@@ -43,7 +43,7 @@ struct JetToGrid<'a, S, const D: usize, const NODES: usize> {
 
 impl<const D: usize> ParticleToGrid<D> {
     /// Adds the particles of a body in a tile, one by one, to the tile's blocks from node number `first` on.
-    pub(crate) fn one_by_one<S: Number>(
+    pub(crate) fn one_by_one<S: CarriedNumber>(
         self,
         body: &Body<S, D>,
         slot: usize,
@@ -72,7 +72,11 @@ struct Part<V> {
 
 impl<V: Lanes<Number = f64>> Part<V> {
     #[inline(always)]
-    fn load<S: Number, R: Registers<f64, Vector = V>>(registers: R, number: &S, at: usize) -> Self {
+    fn load<S: CarriedNumber, R: Registers<f64, Vector = V>>(
+        registers: R,
+        number: &S,
+        at: usize,
+    ) -> Self {
         let (first, second) = (load(registers, number, 1, at), load(registers, number, 2, at));
         Self { value: number.value(), first, second }
     }
@@ -131,20 +135,13 @@ impl<V: Lanes<Number = f64>> Coefficients<V> {
 
     /// Adds those of a number times derivative `t` of the shape function.
     #[inline(always)]
-    fn add<S: Number, const D: usize>(
-        &mut self,
-        (number, t): (&Part<V>, usize),
-        shift: &Shift<V, D>,
-    ) {
+    fn add<const D: usize>(&mut self, (number, t): (&Part<V>, usize), shift: &Shift<V, D>) {
         let next = &Derivatives::<D>::NEXT;
         let (value, first) = (number.first.splat(number.value), number.first);
         self.first[t] = self.first[t] + first;
         for l in 0..D {
             let by = &mut self.first[next[t][l]];
             *by = *by + value * shift.first[l];
-        }
-        if S::ORDER < 2 {
-            return;
         }
         self.second[t] = self.second[t] + number.second;
         let twice = first + first;
@@ -162,7 +159,7 @@ impl<V: Lanes<Number = f64>> Coefficients<V> {
     }
 }
 
-impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
+impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
     /// Adds what the particles give; wide registers hold derivatives alone.
     fn add_all(self) {
         if const { S::ORDER > 0 } {
@@ -296,7 +293,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
         let nodes = &mut self.nodes[node..node + nodes_spanned::<NODES, D>()];
         for c in 0..D {
             let mut momentum = none;
-            momentum.add::<S, D>((&parts.momentum[c], 0), shift);
+            momentum.add::<D>((&parts.momentum[c], 0), shift);
             spread(
                 registers,
                 (&momentum, None),
@@ -309,7 +306,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
             if self.transfer.affine {
                 for l in 0..D {
                     let mut growth = none;
-                    growth.add::<S, D>((&parts.growth[l][c], 0), shift);
+                    growth.add::<D>((&parts.growth[l][c], 0), shift);
                     spread(
                         registers,
                         (&growth, Some(l)),
@@ -325,10 +322,10 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
                 let mut force = none;
                 for l in 0..D {
                     let slope = Derivatives::<D>::NEXT[0][l];
-                    force.add::<S, D>((&parts.force[l][c], slope), shift);
+                    force.add::<D>((&parts.force[l][c], slope), shift);
                 }
                 if self.transfer.body_force {
-                    force.add::<S, D>((&parts.body_force[c], 0), shift);
+                    force.add::<D>((&parts.body_force[c], 0), shift);
                 }
                 spread(
                     registers,
@@ -354,7 +351,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
     ) {
         let masses = &mut self.masses[node..node + nodes_spanned::<NODES, D>()];
         let mut mass = Coefficients::none(registers.splat(-0.0));
-        mass.add::<S, D>((of, 0), shift);
+        mass.add::<D>((of, 0), shift);
         spread(
             registers,
             (&mass, None),
@@ -370,7 +367,7 @@ impl<S: Number, const D: usize, const NODES: usize> JetToGrid<'_, S, D, NODES> {
 /// Adds the derivatives of a number times the shape function, or times slopes of it (`slopes` is then 1), to `entry` of every
 /// node.
 #[inline(always)]
-fn spread<R: Registers<f64>, S: Number, T, const NODES: usize, const D: usize>(
+fn spread<R: Registers<f64>, S: CarriedNumber, T, const NODES: usize, const D: usize>(
     registers: R,
     (of, times): (&Coefficients<R::Vector>, Option<usize>),
     weights: &TaylorWeights<NODES, D>,
@@ -384,7 +381,7 @@ fn spread<R: Registers<f64>, S: Number, T, const NODES: usize, const D: usize>(
         #[inline(always)]
         |i, part| add(registers, part, (entry(&mut nodes[i]), 1), at),
     );
-    if S::ORDER > 1 {
+    if S::ORDER > 0 {
         weights.spread(
             (&of.second, times),
             2 + slopes,
@@ -394,7 +391,9 @@ fn spread<R: Registers<f64>, S: Number, T, const NODES: usize, const D: usize>(
     }
 }
 
-impl<S: Number, const D: usize, const NODES: usize> Work<f64> for JetToGrid<'_, S, D, NODES> {
+impl<S: CarriedNumber, const D: usize, const NODES: usize> Work<f64>
+    for JetToGrid<'_, S, D, NODES>
+{
     type Output = ();
 
     #[inline(always)]

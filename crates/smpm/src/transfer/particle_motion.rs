@@ -7,7 +7,7 @@
 
 use crate::config::{Config, Geometry, Transfer};
 use crate::grid::lattice::Lattice;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::particles::Chunk;
 use crate::transfer::shape::Shape;
 
@@ -52,11 +52,11 @@ pub(crate) struct Sums<S, const D: usize> {
 /// What a sum starts with: minus zero, to which anything may be added without a change, so that for `f64` the compiler
 /// leaves the addition out.
 #[inline(always)]
-pub(crate) fn nothing<S: Number>() -> S {
+pub(crate) fn nothing<S: CarriedNumber>() -> S {
     S::constant(-0.0)
 }
 
-impl<S: Number, const D: usize> Sums<S, D> {
+impl<S: CarriedNumber, const D: usize> Sums<S, D> {
     #[inline(always)]
     pub(crate) fn none() -> Self {
         let (vector, matrix) = ([nothing(); D], [[nothing(); D]; D]);
@@ -83,7 +83,7 @@ impl<const D: usize> GridToParticle<D> {
 
     /// Updates a particle from its sums over nodes.
     #[inline(always)]
-    pub(crate) fn apply<S: Number>(
+    pub(crate) fn apply<S: CarriedNumber>(
         &self,
         chunk: &mut Chunk<'_, S, D>,
         p: usize,
@@ -107,7 +107,7 @@ impl<const D: usize> GridToParticle<D> {
 
     /// `L_p = sum_i v_i grad N_i`, and the hoop `v_r/r`.
     #[inline(always)]
-    fn find_gradient<S: Number>(
+    fn find_gradient<S: CarriedNumber>(
         &self,
         chunk: &Chunk<'_, S, D>,
         p: usize,
@@ -126,7 +126,12 @@ impl<const D: usize> GridToParticle<D> {
 
     /// APIC's matrix `C = sum_i v_i (x_i - x_p)^T N_i D_p^-1` (Jiang et al. 2015, eq 8).
     #[inline(always)]
-    fn matrix<S: Number>(&self, sums: &Sums<S, D>, base: &[i32; D], x: &[S; D]) -> [[S; D]; D] {
+    fn matrix<S: CarriedNumber>(
+        &self,
+        sums: &Sums<S, D>,
+        base: &[i32; D],
+        x: &[S; D],
+    ) -> [[S; D]; D] {
         let Lattice { origin, cell, .. } = self.lattice;
         let mut matrix = sums.moment;
         for l in 0..D {

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use crate::config::{Config, Geometry, Transfer};
 use crate::grid::lattice::Lattice;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 use crate::points::conditions::Columns;
 use crate::transfer::shape::Shape;
@@ -66,7 +66,7 @@ pub(crate) struct MomentumTerms<S, const D: usize> {
     pub(crate) growth: [[S; D]; D],
 }
 
-impl<'a, S: Number, const D: usize> Run<'a, S, D> {
+impl<'a, S: CarriedNumber, const D: usize> Run<'a, S, D> {
     #[inline(always)]
     pub(crate) fn of(body: &'a Body<S, D>, conditions: &Columns<'a, S>, run: Range<usize>) -> Self {
         let (particles, binning) = (&body.particles, &body.binning);
@@ -100,7 +100,7 @@ impl<const D: usize> ParticleToGrid<D> {
 
     /// Momentum with APIC's matrix.
     #[inline(always)]
-    pub(crate) fn affine_momentum<S: Number>(
+    pub(crate) fn affine_momentum<S: CarriedNumber>(
         &self,
         of: &Run<'_, S, D>,
         p: usize,
@@ -124,7 +124,11 @@ impl<const D: usize> ParticleToGrid<D> {
 
     /// What acts on all nodes of a particle alike: gravity, the hoop.
     #[inline(always)]
-    pub(crate) fn force_on_all_nodes<S: Number>(&self, of: &Run<'_, S, D>, p: usize) -> [S; D] {
+    pub(crate) fn force_on_all_nodes<S: CarriedNumber>(
+        &self,
+        of: &Run<'_, S, D>,
+        p: usize,
+    ) -> [S; D] {
         let mut force = [of.mass[p]; D];
         for k in 0..D {
             force[k] = of.mass[p] * self.gravity[k];

@@ -18,7 +18,7 @@ use simd_lanes::{Lanes, Registers};
 
 use crate::grid::lattice::Lattice;
 use crate::grid::tile_size::{MOST_NODES, block_edge};
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::transfer::shape::{Axis, nodes_along};
 
 /// Derivatives of a shape function up to the third order, the function itself among them.
@@ -176,7 +176,7 @@ impl<const NODES: usize, const D: usize> TaylorWeights<NODES, D> {
 
     /// Those of a particle, from the lowest node that it sees.
     #[inline(always)]
-    pub(crate) fn find<S: Number>(
+    pub(crate) fn find<S: CarriedNumber>(
         &mut self,
         lattice: &Lattice<D>,
         position: &[S; D],
@@ -228,7 +228,7 @@ pub(crate) struct Shift<V, const D: usize> {
 
 impl<V: Lanes<Number = f64>, const D: usize> Shift<V, D> {
     #[inline(always)]
-    pub(crate) fn load<S: Number, R: Registers<f64, Vector = V>>(
+    pub(crate) fn load<S: CarriedNumber, R: Registers<f64, Vector = V>>(
         registers: R,
         position: &[S; D],
         per_cell: f64,
@@ -238,9 +238,7 @@ impl<V: Lanes<Number = f64>, const D: usize> Shift<V, D> {
         let per_cell = registers.splat(per_cell);
         for k in 0..D {
             first[k] = load(registers, &position[k], 1, at) * per_cell;
-            if S::ORDER > 1 {
-                second[k] = load(registers, &position[k], 2, at) * per_cell;
-            }
+            second[k] = load(registers, &position[k], 2, at) * per_cell;
         }
         Self { first, second }
     }
@@ -248,7 +246,7 @@ impl<V: Lanes<Number = f64>, const D: usize> Shift<V, D> {
 
 /// The derivatives of a number in the register of directions that begins with `at`.
 #[inline(always)]
-pub(crate) fn load<S: Number, R: Registers<f64>>(
+pub(crate) fn load<S: CarriedNumber, R: Registers<f64>>(
     registers: R,
     number: &S,
     order: usize,
@@ -262,7 +260,7 @@ pub(crate) fn load<S: Number, R: Registers<f64>>(
 
 /// Writes them.
 #[inline(always)]
-pub(crate) fn store<S: Number, R: Registers<f64>>(
+pub(crate) fn store<S: CarriedNumber, R: Registers<f64>>(
     registers: R,
     vector: R::Vector,
     (number, order): (&mut S, usize),
@@ -275,7 +273,7 @@ pub(crate) fn store<S: Number, R: Registers<f64>>(
 
 /// Adds to them.
 #[inline(always)]
-pub(crate) fn add<S: Number, R: Registers<f64>>(
+pub(crate) fn add<S: CarriedNumber, R: Registers<f64>>(
     registers: R,
     vector: R::Vector,
     (number, order): (&mut S, usize),
@@ -289,8 +287,8 @@ pub(crate) fn add<S: Number, R: Registers<f64>>(
 
 /// The first direction of each register of them; one register for a number without derivatives.
 #[inline(always)]
-pub(crate) fn registers_of_directions<S: Number, R: Registers<f64>>() -> impl Iterator<Item = usize>
-{
+pub(crate) fn registers_of_directions<S: CarriedNumber, R: Registers<f64>>()
+-> impl Iterator<Item = usize> {
     (0..if S::ORDER == 0 { 1 } else { LANES }).step_by(R::N)
 }
 

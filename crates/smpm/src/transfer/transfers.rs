@@ -7,7 +7,7 @@ use simd_lanes::SimdLevel;
 use crate::config::Config;
 use crate::grid::background::Grid;
 use crate::grid::node::Node;
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::body::Body;
 use crate::points::particles::Chunk;
 use crate::transfer::grid_to_group::grid_to_groups;
@@ -30,7 +30,7 @@ type ToParticles<S, const D: usize> = fn(
 );
 
 /// Transfers of particles in lanes.
-struct InLanes<S: Number, const D: usize> {
+struct InLanes<S: CarriedNumber, const D: usize> {
     to_grid: ToGrid<S, D>,
     to_particles: ToParticles<S, D>,
 }
@@ -44,7 +44,7 @@ static IN_TWO: InLanes<f64, 2> = InLanes::HERE;
 static IN_THREE: InLanes<f64, 3> = InLanes::HERE;
 
 /// Sums what is `given` at the nodes of all blocks, under the gravity of the step.
-pub(crate) fn particle_to_grid<S: Number, const D: usize>(
+pub(crate) fn particle_to_grid<S: CarriedNumber, const D: usize>(
     grid: &mut Grid<S, D>,
     bodies: &[Body<S, D>],
     (config, gravity): (&Config<D>, [f64; D]),
@@ -67,7 +67,7 @@ pub(crate) fn particle_to_grid<S: Number, const D: usize>(
 }
 
 /// Updates all particles of a chunk as a pass requires; writes their velocity gradients.
-pub(crate) fn grid_to_particle<S: Number, const D: usize>(
+pub(crate) fn grid_to_particle<S: CarriedNumber, const D: usize>(
     transfer: &GridToParticle<D>,
     grid: &Grid<S, D>,
     chunk: &mut Chunk<'_, S, D>,
@@ -83,7 +83,7 @@ pub(crate) fn grid_to_particle<S: Number, const D: usize>(
 }
 
 /// The transfers in lanes, for `f64`.
-fn in_lanes<S: Number, const D: usize>() -> Option<&'static InLanes<S, D>> {
+fn in_lanes<S: CarriedNumber, const D: usize>() -> Option<&'static InLanes<S, D>> {
     let all: [&'static dyn Any; 3] = [&IN_ONE, &IN_TWO, &IN_THREE];
     all.into_iter().find_map(<dyn Any>::downcast_ref)
 }
@@ -199,7 +199,7 @@ mod tests {
                     let alone = with(&|nodes, masses| {
                         transfer.one_by_one(&body, slot, (first, nodes, masses));
                     });
-                    let to_grid = in_lanes::<f64, D>().unwrap().to_grid;
+                    let to_grid = InLanes::<f64, D>::HERE.to_grid;
                     let mut bits = vec![];
                     for level in SimdLevel::available() {
                         let sums = with(&|nodes, masses| {
@@ -258,7 +258,7 @@ mod tests {
 
     fn check_to_particles<const D: usize>() {
         for_each_scene::<D>(|name, config, scene| {
-            let to_particles = in_lanes::<f64, D>().unwrap().to_particles;
+            let to_particles = InLanes::<f64, D>::HERE.to_particles;
             for pass in [Pass::Velocity, Pass::StressAndMove] {
                 let alone = written(config, pass, scene(), |transfer, grid, chunk, gradients| {
                     transfer.one_by_one(grid, chunk, gradients);

@@ -5,14 +5,14 @@
     reason = "what is not inlined into the dispatched closure is not compiled for its registers"
 )]
 
-use crate::number::Number;
+use crate::number::CarriedNumber;
 use crate::points::particles::BATCH;
 
 /// `L_ij = dv_i/dx_j` of the particles of a batch: entry by entry, so that registers load adjacent particles.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VelocityGradients<S>([[[S; BATCH]; 3]; 3]);
 
-impl<S: Number> VelocityGradients<S> {
+impl<S: CarriedNumber> VelocityGradients<S> {
     #[inline(always)]
     pub(crate) fn zero() -> Self {
         Self([[[S::constant(0.0); BATCH]; 3]; 3])

@@ -1,7 +1,7 @@
 //! A run as a function of random inputs.
 
 use crate::error::Error;
-use crate::number::Number;
+use crate::points::compiled_points::Number;
 use crate::simulation::Simulation;
 
 /// A run as a function of random inputs, written once over every number type: parameters of materials, or coefficients of random

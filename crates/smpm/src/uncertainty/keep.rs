@@ -3,21 +3,21 @@
 use std::error::Error as StdError;
 
 use crate::error::Error;
+use crate::number::CarriedNumber;
 use crate::record::gathered::{Gathered, Schedule, Witness};
 use crate::record::observation::{Located, Plan, Window, stops};
-use crate::record::snapshot::Stored;
 use crate::simulation::Simulation;
 
 /// Keeps how far the runs of a study have come, so that another study of the same experiment resumes there.
 ///
-/// The crate touches no files and no clock: a keeper decides where standings go and how often, and distinguishes those of another experiment,
+/// The crate touches no files and no clock: a keeper decides where saved runs go and how often, and distinguishes those of another experiment,
 /// law or plan from its own. Threads ask it at once.
 pub trait Keep: std::fmt::Debug + Sync {
     /// What a run had come to when it was last kept.
     ///
     /// # Errors
     /// Where something was kept that cannot be taken: it ends the study.
-    fn load(&self, run: &str) -> Result<Option<Standing>, Box<dyn StdError + Send + Sync>>;
+    fn load(&self, run: &str) -> Result<Option<SavedRun>, Box<dyn StdError + Send + Sync>>;
 
     /// Whether a run is to be kept now, of whose time a fraction is done; asked after every step. At its end it is kept unasked.
     fn is_due(&self, run: &str, done: f64) -> bool;
@@ -26,14 +26,14 @@ pub trait Keep: std::fmt::Debug + Sync {
     ///
     /// # Errors
     /// Where it cannot be kept: it ends the study.
-    fn keep(&self, run: &str, standing: Standing) -> Result<(), Box<dyn StdError + Send + Sync>>;
+    fn keep(&self, run: &str, saved: SavedRun) -> Result<(), Box<dyn StdError + Send + Sync>>;
 }
 
 /// How far a run has come: all that a bitwise identical continuation needs, with the same experiment and parameters. Its
 /// plan may have more windows, where they begin later.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Standing {
+pub struct SavedRun {
     /// Begin and end of each window.
     windows: Vec<[f64; 2]>,
     /// What each of them has gathered: the parts of its sums, then what the witness has noted.
@@ -48,9 +48,9 @@ pub struct Standing {
     snapshot: Vec<u8>,
 }
 
-impl Standing {
+impl SavedRun {
     /// Of a run.
-    fn of<S: Stored, T: Stored, const D: usize>(
+    fn of<S: CarriedNumber, T: CarriedNumber, const D: usize>(
         simulation: &Simulation<S, D>,
         gathered: &Gathered<T>,
         windows: &[Window],
@@ -125,7 +125,7 @@ impl Standing {
     }
 
     /// What the windows of a plan have gathered; the witness receives its earlier record.
-    fn gathered<S, T: Stored, const D: usize>(
+    fn gathered<S, T: CarriedNumber, const D: usize>(
         self,
         plan: &Plan<D>,
         which: &[Option<usize>],
@@ -166,7 +166,7 @@ fn fits(quantity: &'static str, found: usize, expected: usize) -> Result<(), Err
 }
 
 /// A witness of a run that is kept, if anybody keeps it.
-pub(super) struct Kept<'a, W> {
+pub(super) struct SavingWitness<'a, W> {
     pub(super) keep: Option<&'a dyn Keep>,
     /// The name of the run.
     pub(super) run: String,
@@ -177,30 +177,32 @@ pub(super) struct Kept<'a, W> {
     pub(super) witness: W,
 }
 
-impl<W> Kept<'_, W> {
+impl<W> SavingWitness<'_, W> {
     fn failed(&self, error: &(dyn StdError + Send + Sync)) -> Error {
         Error::NotKept { run: self.run.clone(), what: error.to_string() }
     }
 }
 
-impl<S: Stored, T: Stored, W: Witness<S, T, D>, const D: usize> Witness<S, T, D> for Kept<'_, W> {
+impl<S: CarriedNumber, T: CarriedNumber, W: Witness<S, T, D>, const D: usize> Witness<S, T, D>
+    for SavingWitness<'_, W>
+{
     fn begin(
         &mut self,
         plan: &Plan<D>,
         simulation: &mut Simulation<S, D>,
     ) -> Result<Option<Gathered<T>>, Error> {
         let kept = self.keep.map_or(Ok(None), |keep| keep.load(&self.run));
-        let Some(mut standing) = kept.map_err(|error| self.failed(error.as_ref()))? else {
+        let Some(mut saved) = kept.map_err(|error| self.failed(error.as_ref()))? else {
             return Ok(None);
         };
-        let which = standing.cut_to(&plan.windows, &plan.stops())?;
-        standing.check_steps(self.schedule)?;
-        if standing.steps.len() < self.n_stops {
-            simulation.restore(standing.snapshot.as_slice())?;
-            let n_steps: usize = standing.steps.iter().chain([&standing.taken]).map(Vec::len).sum();
+        let which = saved.cut_to(&plan.windows, &plan.stops())?;
+        saved.check_steps(self.schedule)?;
+        if saved.steps.len() < self.n_stops {
+            simulation.restore(saved.snapshot.as_slice())?;
+            let n_steps: usize = saved.steps.iter().chain([&saved.taken]).map(Vec::len).sum();
             fits("steps", usize::try_from(simulation.n_steps()).unwrap_or(usize::MAX), n_steps)?;
         }
-        Ok(Some(standing.gathered(plan, &which, &mut self.witness)?))
+        Ok(Some(saved.gathered(plan, &which, &mut self.witness)?))
     }
 
     fn step(&mut self, simulation: &Simulation<S, D>, located: &[Located]) {
@@ -222,7 +224,7 @@ impl<S: Stored, T: Stored, W: Witness<S, T, D>, const D: usize> Witness<S, T, D>
         if is_under_way && !keep.is_due(&self.run, simulation.time() / end) {
             return Ok(());
         }
-        let standing = Standing::of(simulation, gathered, self.windows, &mut self.witness)?;
-        keep.keep(&self.run, standing).map_err(|error| self.failed(error.as_ref()))
+        let saved = SavedRun::of(simulation, gathered, self.windows, &mut self.witness)?;
+        keep.keep(&self.run, saved).map_err(|error| self.failed(error.as_ref()))
     }
 }

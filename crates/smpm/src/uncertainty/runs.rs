@@ -1,10 +1,10 @@
 //! The runs of a plan: the reference run, and others that take its steps.
 
-use super::keep::{Keep, Kept};
+use super::keep::{Keep, SavingWitness};
 use crate::error::Error;
+use crate::number::CarriedNumber;
 use crate::record::gathered::{Plain, Reader, Record, Schedule, Witness};
 use crate::record::observation::Plan;
-use crate::record::snapshot::Stored;
 use crate::simulation::Simulation;
 
 /// A plan, who keeps its runs, and what the reference run has shown.
@@ -24,13 +24,13 @@ impl<'a, const D: usize> Runs<'a, D> {
     ) -> Result<Self, Error> {
         let (run, n_stops) = ("reference run".to_owned(), plan.stops().len());
         let windows = &plan.windows;
-        let mut kept = Kept { keep, run, windows, schedule: None, n_stops, witness: () };
+        let mut kept = SavingWitness { keep, run, windows, schedule: None, n_stops, witness: () };
         let reference = simulation.record_by(&plan, None, &Plain, &mut kept)?;
         Ok(Self { plan, keep, reference })
     }
 
     /// A run by the steps of the reference run, resumed where it was kept under its name, if it was.
-    pub(super) fn follow<S: Stored, T: Stored, W: Witness<S, T, D>>(
+    pub(super) fn follow<S: CarriedNumber, T: CarriedNumber, W: Witness<S, T, D>>(
         &self,
         run: String,
         simulation: &mut Simulation<S, D>,
@@ -40,7 +40,7 @@ impl<'a, const D: usize> Runs<'a, D> {
         let schedule = Some(self.schedule());
         let (keep, windows, n_stops) =
             (self.keep, &self.plan.windows, self.schedule().steps().len());
-        let mut kept = Kept { keep, run, windows, schedule, n_stops, witness };
+        let mut kept = SavingWitness { keep, run, windows, schedule, n_stops, witness };
         let record = simulation.record_by(&self.plan, schedule, reader, &mut kept)?;
         Ok((record.values, kept.witness))
     }
@@ -52,13 +52,13 @@ impl<'a, const D: usize> Runs<'a, D> {
         simulation: &mut Simulation<f64, D>,
         look: impl FnMut(f64, &Simulation<f64, D>),
     ) -> Result<(), Error> {
-        struct Seen<F>(F);
-        impl<F: FnMut(f64, &Simulation<f64, D>), const D: usize> Witness<f64, f64, D> for Seen<F> {
+        struct Shown<F>(F);
+        impl<F: FnMut(f64, &Simulation<f64, D>), const D: usize> Witness<f64, f64, D> for Shown<F> {
             fn stop(&mut self, time: f64, simulation: &Simulation<f64, D>) {
                 (self.0)(time, simulation);
             }
         }
-        self.follow(run, simulation, &Plain, Seen(look)).map(drop)
+        self.follow(run, simulation, &Plain, Shown(look)).map(drop)
     }
 
     /// What the reference run has shown.

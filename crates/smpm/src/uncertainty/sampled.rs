@@ -260,28 +260,16 @@ impl Sampled {
     }
 }
 
-/// The chance that a response exceeds a level, by moments and a normal law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Exceedance {
-    /// The level (unit of the response).
-    pub level: f64,
-    /// `1 - Phi((level - mean)/sd)`; a step where the variance is zero.
-    pub probability: f64,
-}
-
-impl Exceedance {
-    /// Of a normal response with this mean and variance. How far the response is from normal it does not know: see
-    /// [`Series::curvature_ratio`].
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] for the level.
-    pub fn of_normal((mean, variance): (f64, f64), level: f64) -> Result<Self, Error> {
-        crate::error::finite("level", level)?;
-        let probability = if variance > 0.0 {
-            upper_tail((level - mean) / variance.sqrt())
-        } else {
-            f64::from(u8::from(mean > level))
-        };
-        Ok(Self { level, probability })
-    }
+/// The chance that a normal response with this mean and variance exceeds a level, `1 - Phi((level - mean)/sd)`; a step where the
+/// variance is zero. How far the response is from normal it does not know: see [`Series::curvature_ratio`].
+///
+/// # Errors
+/// [`Error::Parameter`] for the level.
+pub fn exceedance_of_normal(mean: f64, variance: f64, level: f64) -> Result<f64, Error> {
+    constitutive_models::finite("level", level)?;
+    Ok(if variance > 0.0 {
+        upper_tail((level - mean) / variance.sqrt())
+    } else {
+        f64::from(u8::from(mean > level))
+    })
 }

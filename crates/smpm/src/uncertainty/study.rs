@@ -9,7 +9,9 @@ use super::range;
 use super::runs::Runs;
 use super::series::Series;
 use super::switch::{Switch, SwitchWitness};
-use crate::error::{Error, positive};
+use constitutive_models::positive;
+
+use crate::error::Error;
 use crate::parallel::map_in_order;
 use crate::record::gathered::{Plain, Schedule};
 use crate::record::observation::Plan;
@@ -62,7 +64,7 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
     /// a longer plan serves a shorter one.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Error::NotKept`]; [`Error::OtherWindows`] for a standing that came by other stops;
+    /// As [`new`](Self::new); [`Error::NotKept`]; [`Error::OtherWindows`] for a saved run with other stops;
     /// [`Error::ForeignSnapshot`] and [`Error::SnapshotNumber`] for one of another study; [`Error::MaterialNotStored`].
     pub fn kept_by(
         experiment: &'a X,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use perturbation_moments::{Estimate, Jet, MonteCarlo};
+use perturbation_moments::{Estimate, MonteCarlo};
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::uncertainty::{Coefficients, Design, Experiment, Study};
 use smpm::{
@@ -81,24 +81,6 @@ fn the_gradient_by_any_number_of_coefficients_is_that_of_differences() {
 }
 
 #[test]
-fn differences_are_the_gradient() {
-    let study = Study::new(&Bar, Coefficients(11), plan()).unwrap();
-    let gradient = study.propagated().unwrap().moments;
-    let central = study.finite_difference(1e-3).unwrap();
-    let one_sided = study.forward_difference(1e-3).unwrap();
-    for (response, series) in gradient.iter().enumerate() {
-        let scale = series.variance().sqrt();
-        for k in 0..11 {
-            // Truncation: step^2, and half the step times the curvature.
-            let error = |slope: f64| (slope - series.gradient[k]).abs() / scale;
-            assert!(error(central[response].gradient[k]) < 5e-6, "{response} {k}");
-            assert!(error(one_sided[response].gradient[k]) < 1e-3, "{response} {k}");
-        }
-    }
-    assert!(study.finite_difference(0.0).is_err());
-}
-
-#[test]
 fn samples_of_fields_agree_with_the_taylor_series_and_are_controlled_by_it() {
     let study = Study::new(&Bar, Coefficients(5), plan()).unwrap();
     let series = study.propagated().unwrap().moments;
@@ -120,18 +102,4 @@ fn samples_of_fields_agree_with_the_taylor_series_and_are_controlled_by_it() {
     let known = half.unwrap().responses();
     let again = study.sampled_from(design, 0..200, &known, 30, |_, _| Ok::<(), Error>(()));
     assert_eq!(again.unwrap(), sampled);
-}
-
-#[test]
-fn a_jet_without_derivatives_has_the_values_of_numbers() {
-    let mut numbers = Bar.simulation(&[0.7, -0.4]).unwrap();
-    let mut jets = Bar.simulation(&[Jet::variable(0.7, 0), Jet::variable(-0.4, 1)]).unwrap();
-    let record = numbers.record(&plan()).unwrap();
-    let values = jets.replay(&plan(), &record.schedule).unwrap();
-    for (jet, value) in values.iter().zip(&record.values) {
-        // The nodes sum in another order: roundoff.
-        let error = (jet.value - value).abs();
-        assert!(error < 2e-15 * (1.0 + value.abs()), "{error:e} of {value:e}");
-        assert!(jet.first[0] != 0.0 && jet.first[1] != 0.0 && jet.first[2] == 0.0);
-    }
 }

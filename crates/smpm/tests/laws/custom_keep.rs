@@ -8,7 +8,7 @@ use perturbation_moments::RandomVector;
 use smpm::material::{
     JohnsonCook, JohnsonCookParameters, MieGruneisen, MieGruneisenParameters, Solid, Units, library,
 };
-use smpm::uncertainty::{Experiment, FrozenForm, Keep, Standing, Study, exactly};
+use smpm::uncertainty::{Experiment, FrozenForm, Keep, SavedRun, Study, exactly};
 use smpm::{
     Body, Boundary, BoundaryKind, Config, Error, Fill, Gauge, Number, Place, Plan, Quantity, Side,
     Simulation, Window,
@@ -17,7 +17,7 @@ use smpm::{
 /// Keeps in memory; all is over when it has kept so often.
 #[derive(Debug)]
 struct Mortal {
-    kept: Mutex<BTreeMap<String, Standing>>,
+    kept: Mutex<BTreeMap<String, SavedRun>>,
     /// How often it was asked and has kept, in this life.
     done: Mutex<[usize; 2]>,
     /// Asks between two standings, and standings of a life.
@@ -34,7 +34,7 @@ impl Mortal {
         Self::new(usize::MAX, usize::MAX)
     }
 
-    fn kept(&self) -> BTreeMap<String, Standing> {
+    fn kept(&self) -> BTreeMap<String, SavedRun> {
         self.kept.lock().unwrap().clone()
     }
 
@@ -44,7 +44,7 @@ impl Mortal {
 }
 
 impl Keep for Mortal {
-    fn load(&self, run: &str) -> Result<Option<Standing>, Box<dyn StdError + Send + Sync>> {
+    fn load(&self, run: &str) -> Result<Option<SavedRun>, Box<dyn StdError + Send + Sync>> {
         Ok(self.kept.lock().unwrap().get(run).cloned())
     }
 
@@ -55,7 +55,7 @@ impl Keep for Mortal {
         done[0].is_multiple_of(self.limits[0])
     }
 
-    fn keep(&self, run: &str, standing: Standing) -> Result<(), Box<dyn StdError + Send + Sync>> {
+    fn keep(&self, run: &str, standing: SavedRun) -> Result<(), Box<dyn StdError + Send + Sync>> {
         if !self.is_dead() {
             self.kept.lock().unwrap().insert(run.to_owned(), standing);
             self.done.lock().unwrap()[1] += 1;
@@ -271,7 +271,7 @@ fn a_forged_standing_goes_on_or_is_refused() {
         {
             let mut forged = standing.clone();
             *forged.pointer_mut(place).unwrap() = forgery;
-            let Ok(forged) = serde_json::from_value::<Standing>(forged) else { continue };
+            let Ok(forged) = serde_json::from_value::<SavedRun>(forged) else { continue };
             let keep = Mortal::immortal();
             keep.kept.lock().unwrap().insert("reference run".to_owned(), forged);
             match run(centre, windows(), &keep) {

@@ -207,7 +207,7 @@ fn own_material_in_lanes_is_bitwise_identical_to_one_by_one() {
     // 35 particles: not a multiple of any register.
     let fill = Fill::of([0.5; 2], ([0.0; 2], [3.5, 2.5]), |_| true).unwrap();
     let bodies = [
-        Body::new(drops(), &fill, [0.0; 2]).unwrap(),
+        Body::one_by_one(drops(), &fill, [0.0; 2]).unwrap(),
         Body::in_lanes(drops(), &fill, [0.0; 2]).unwrap(),
     ];
     let [alone, together] = bodies.map(|mut body| {

@@ -3,19 +3,19 @@
 use perturbation_moments::Jet;
 use smpm::material::{
     Detonation, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, LinearElasticParameters,
-    LinearElasticSolid, Material, MieGruneisen, NeoHookean, NeoHookeanParameters, Now, Observed,
-    Solid, TensionCutOff, Units, VonMises, VonMisesParameters, library,
+    LinearElasticSolid, Material, MieGruneisen, Model, NeoHookean, NeoHookeanParameters, Now,
+    Observed, Solid, TensionCutOff, Units, VonMises, VonMisesParameters, library,
 };
 use smpm::tensor::Symmetric;
 use smpm::{
-    Body, BulkViscosity, Config, Contact, Error, Fault, Fill, Gauge, Place, Plan, Quantity, Shape,
-    Simulation, Stored, Transfer, Window,
+    Body, BulkViscosity, Config, Contact, Error, Fault, Fill, Gauge, Number, Place, Plan, Quantity,
+    Shape, Simulation, Transfer, Window,
 };
 
 const UNITS: Units = Units::CM_G_US;
 
 /// Explosive between steel and water; `scale` is that of the yield stress.
-fn explosion<S: Stored>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
+fn explosion<S: Number>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
     let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true).unwrap();
     let of = |_: &'static str, value| S::constant(value);
     let burn = Detonation { point: [0.5, 0.5, 0.0], cells: 2.0 };
@@ -44,7 +44,7 @@ fn explosion<S: Stored>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simula
 }
 
 /// All numbers of all particles, in bits.
-fn bits<S: Stored>(simulation: &Simulation<S, 2>) -> Vec<u64> {
+fn bits<S: Number>(simulation: &Simulation<S, 2>) -> Vec<u64> {
     let mut bits = vec![simulation.time().to_bits(), simulation.longest_step().to_bits()];
     for body in simulation.bodies() {
         for p in 0..body.n_particles() {
@@ -66,14 +66,14 @@ fn bits<S: Stored>(simulation: &Simulation<S, 2>) -> Vec<u64> {
     bits
 }
 
-fn steps<S: Stored>(simulation: &mut Simulation<S, 2>, n: usize) {
+fn steps<S: Number>(simulation: &mut Simulation<S, 2>, n: usize) {
     for _ in 0..n {
         let _ = simulation.step().unwrap();
     }
 }
 
 /// A run of 40 steps in one go, and one that stops after 25 and goes on elsewhere, on each number of threads.
-fn goes_on_to_the_bit<S: Stored>(scale: S, change: impl Fn(&mut Config<2>) + Sync) {
+fn goes_on_to_the_bit<S: Number>(scale: S, change: impl Fn(&mut Config<2>) + Sync) {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -146,10 +146,7 @@ fn a_snapshot_of_another_simulation_is_refused_and_changes_nothing() {
 }
 
 /// A strip that stretches and shears, of any material.
-fn strip<M: Material<f64> + 'static>(material: M) -> Simulation<f64, 2>
-where
-    M::State: 'static,
-{
+fn strip(material: impl Into<Model<f64>>) -> Simulation<f64, 2> {
     let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0, 0.3]), |_| true).unwrap();
     let mut body = Body::new(material, &fill, [0.0; 2]).unwrap();
     body.set_velocities(|x| [0.02 * x[0], 0.01 * x[0] * x[0]]).unwrap();
@@ -213,7 +210,7 @@ impl Material<f64> for Silent {
 #[test]
 fn a_material_that_does_not_say_what_it_remembers_has_no_snapshot() {
     let fill = Fill::of([0.1], ([0.0], [1.0]), |_| true).unwrap();
-    let body = Body::new(Silent, &fill, [0.0]).unwrap();
+    let body = Body::one_by_one(Silent, &fill, [0.0]).unwrap();
     let simulation = Simulation::new(Config::with_cell(0.2), vec![body]).unwrap();
     assert_eq!(simulation.snapshot(vec![]).unwrap_err(), Error::MaterialNotStored { body: 0 });
 }
@@ -237,7 +234,7 @@ fn a_run_takes_the_steps_of_another() {
 }
 
 #[test]
-fn a_step_beyond_the_courant_number_one_is_refused() {
+fn a_step_beyond_the_courant_number_one_is_refused_and_the_run_stays_ended() {
     let mut simulation = explosion(1.0, |_| ());
     let most = simulation.longest_step() / 0.4;
     let _ = simulation.step_of(0.99 * most).unwrap();
@@ -247,4 +244,5 @@ fn a_step_beyond_the_courant_number_one_is_refused() {
         unreachable!("{error}");
     };
     assert_eq!((dt, limit), (1.01 * most, most));
+    assert_eq!(simulation.step().unwrap_err(), error);
 }

@@ -8,9 +8,9 @@ use crate::points::material_points::{MaterialPoints, Points, Strain};
 use crate::transfer::velocity_gradients::VelocityGradients;
 use constitutive_models::Fault;
 use constitutive_models::{
-    Detonation, Fluid, JohnsonCookDamage, Jwl, Material, MaterialFamily, MieGruneisen, NeoHookean,
-    NeoHookeanParameters, Solid, TensionCutOff, Units, Varying, VonMises, VonMisesParameters,
-    library,
+    Detonation, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, Material, MaterialFamily, MieGruneisen,
+    NeoHookean, NeoHookeanParameters, Solid, TensionCutOff, Units, Varying, VonMises,
+    VonMisesParameters, library,
 };
 
 const UNITS: Units = Units::CM_G_US;
@@ -178,7 +178,7 @@ fn varying_lanes_have_the_bits_of_their_particles<M: MaterialFamily<f64> + Copy 
         let of_one = Varying::like(materials[0]);
         let along = |particle: usize, step: usize| gradient(particle, step, false);
         let states = Varying::starts::<f64>(&materials, &places);
-        let mut alone = Points::of_states(of_one, false, states.clone());
+        let mut alone = Points::of_states(of_one, false, &states);
         let expected = driven(&mut alone, n, along);
         for level in SimdLevel::available() {
             let mut points = PointsInLanes::of_states(of_one, false, &states);
@@ -207,20 +207,12 @@ fn constants_of_each_lane_are_those_of_its_particle() {
         let mut equation = library::steel_equation(UNITS);
         equation.density *= factor;
         let equation = MieGruneisen::new(equation).unwrap();
-        Solid {
-            equation,
-            strength: JohnsonCookDamage::new(flow, library::steel_damage(UNITS)).unwrap(),
-        }
+        Solid { equation, strength: JohnsonCook::new(flow).unwrap() }
     });
     varying_lanes_have_the_bits_of_their_particles(|factor| {
         let mut hardening = library::copper_linear_hardening(UNITS);
         hardening.yield_stress *= factor;
         let equation = MieGruneisen::new(library::copper_equation(UNITS)).unwrap();
         Solid { equation, strength: VonMises::new(hardening).unwrap() }
-    });
-    varying_lanes_have_the_bits_of_their_particles(|factor| {
-        let parameters =
-            NeoHookeanParameters { density: 1.0, shear_modulus: factor, bulk_modulus: 3.0 };
-        NeoHookean::new(parameters).unwrap()
     });
 }

@@ -106,18 +106,6 @@ pub enum Error {
         /// Name of the moment.
         moment: &'static str,
     },
-    /// Differences do not converge: the response is not smooth on their scale, or too noisy.
-    #[error(
-        "derivative by {inputs:?} from differences has error {error:e}, the limit is {limit:e} (both over the first-order deviation)"
-    )]
-    DifferencesUnsettled {
-        /// Inputs of the derivative, as many as its order.
-        inputs: [Option<usize>; 3],
-        /// Estimated error of the derivative times its inputs' deviations.
-        error: f64,
-        /// Largest accepted error.
-        limit: f64,
-    },
     /// A number of items is below its minimum.
     #[error("{value} {quantity}, at least {limit} needed")]
     TooFew {

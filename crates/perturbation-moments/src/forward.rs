@@ -2,10 +2,7 @@
 
 use num_dual::{HyperDual64, HyperHyperDual64};
 
-use crate::derivatives::{Derivatives, Known};
-use crate::error::Error;
 use crate::expansion::{Expansion, set_symmetric};
-use crate::random_vector::RandomVector;
 use crate::response::Response;
 
 /// Highest order of the derivatives.
@@ -36,7 +33,7 @@ pub enum HighestOrder {
 ///
 /// let inputs = RandomVector::independent([1.0, 0.8, 1.5], [0.3; 3])?;
 /// let way = ForwardDifferentiation { response: Ishigami, order: HighestOrder::Third };
-/// let trust = Moments::by(&inputs, &way)?.trust()?;
+/// let trust = Moments::new(&inputs, &way.expansion(&inputs.centre()))?.trust()?;
 /// assert!(trust.curvature_ratio.unwrap() < 0.01 && trust.third_ratio.unwrap() > 0.3);
 /// # Ok::<(), perturbation_moments::Error>(())
 /// ```
@@ -59,12 +56,6 @@ impl<R> ForwardDifferentiation<R> {
             HighestOrder::Second => second_order(&self.response, x),
             HighestOrder::Third => third_order(&self.response, x),
         }
-    }
-}
-
-impl<const N: usize, R: Response<N>> Derivatives<N> for ForwardDifferentiation<R> {
-    fn know(&self, inputs: &RandomVector<N>) -> Result<Known<N>, Error> {
-        Ok(Known::ByInputs(self.expansion(&inputs.centre())))
     }
 }
 
@@ -107,14 +98,4 @@ fn third_order<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Exp
 
 fn empty<const N: usize>(response: &impl Response<N>, x: &[f64; N]) -> Expansion<N> {
     Expansion { value: response.value(x), gradient: [0.0; N], hessian: None, third: None }
-}
-
-/// Scales of the inputs: their deviations, or for certain inputs their magnitude.
-pub(crate) fn input_scales<const N: usize>(inputs: &RandomVector<N>) -> [f64; N] {
-    let centre = inputs.centre();
-    std::array::from_fn(|i| match (inputs.deviations()[i], centre[i].abs()) {
-        (deviation, _) if deviation > 0.0 => deviation,
-        (_, size) if size > 0.0 => size,
-        _ => 1.0,
-    })
 }

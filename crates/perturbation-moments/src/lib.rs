@@ -1,8 +1,6 @@
 #![doc = include_str!("../README.md")]
 
 mod along;
-mod derivatives;
-mod differences;
 mod error;
 mod expansion;
 mod forward;
@@ -19,8 +17,6 @@ mod symmetric;
 mod trust;
 
 pub use along::{AlongDirections, Slopes};
-pub use derivatives::{Derivatives, Known};
-pub use differences::{CentralDifferences, Differenced};
 pub use error::Error;
 pub use expansion::Expansion;
 pub use forward::{ForwardDifferentiation, HighestOrder};

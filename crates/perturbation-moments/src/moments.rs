@@ -1,7 +1,6 @@
 //! Mean, variance and third moment of a response from its derivatives.
 
 use crate::along::{AlongDirections, Slopes};
-use crate::derivatives::{Derivatives, Known};
 use crate::error::Error;
 use crate::expansion::Expansion;
 use crate::random_vector::RandomVector;
@@ -124,17 +123,6 @@ impl<const N: usize> Moments<N> {
             roundoff: roundoff(&terms.unwrap_or(first)),
         };
         moments.check()
-    }
-
-    /// Moments from the derivatives that a method computes.
-    ///
-    /// # Errors
-    /// Those of [`Derivatives::know`], [`new`](Self::new) and [`along`](Self::along).
-    pub fn by(inputs: &RandomVector<N>, way: &impl Derivatives<N>) -> Result<Self, Error> {
-        match way.know(inputs)? {
-            Known::ByInputs(expansion) => Self::new(inputs, &expansion),
-            Known::AlongDirections(known) => Self::along(inputs, &known),
-        }
     }
 
     /// Squares of finite derivatives may overflow.

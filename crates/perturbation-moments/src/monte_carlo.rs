@@ -84,10 +84,8 @@ impl MonteCarlo {
     /// use perturbation_moments::{Expansion, Moments, MonteCarlo, RandomVector};
     ///
     /// let inputs = RandomVector::independent([0.0], [0.1])?;
-    /// let by_hand = |_: &[f64; 1]| Expansion {
-    ///     value: 1.0, gradient: [1.0], hessian: Some([[1.0]]), third: None,
-    /// };
-    /// let moments = Moments::by(&inputs, &by_hand)?;
+    /// let by_hand = Expansion { value: 1.0, gradient: [1.0], hessian: Some([[1.0]]), third: None };
+    /// let moments = Moments::new(&inputs, &by_hand)?;
     /// let judge = MonteCarlo { seed: 1, n_samples: 10_000 };
     /// let found = judge.judge(&inputs, &moments, |&[x]| x.exp())?;
     /// let error = found.controlled_mean.value - 0.005_f64.exp();

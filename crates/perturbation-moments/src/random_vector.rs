@@ -84,33 +84,6 @@ impl<const N: usize> RandomVector<N> {
         Self::new(mean, deviations, identity())
     }
 
-    /// Normal inputs from means and the covariance matrix.
-    ///
-    /// # Errors
-    /// Those of [`new`](Self::new); a negative variance is [`Error::Negative`]. A certain input with a covariance is
-    /// [`Error::Correlation`].
-    pub fn from_covariance(mean: [f64; N], covariance: [[f64; N]; N]) -> Result<Self, Error> {
-        for (index, &value) in covariance.iter().flatten().enumerate() {
-            require_finite("covariance entry", index, value)?;
-        }
-        check_symmetric("covariance", &covariance)?;
-        for i in 0..N {
-            if covariance[i][i] < 0.0 {
-                let value = covariance[i][i];
-                return Err(Error::Negative { quantity: "variance", index: i, value });
-            }
-        }
-        let deviations: [f64; N] = std::array::from_fn(|i| covariance[i][i].sqrt());
-        let mut correlation = identity();
-        for row in 0..N {
-            for column in (0..N).filter(|&column| column != row && covariance[row][column] != 0.0) {
-                correlation[row][column] =
-                    covariance[row][column] / (deviations[row] * deviations[column]);
-            }
-        }
-        Self::new(mean, deviations, correlation)
-    }
-
     /// The same means, deviations and correlation with other marginal distributions.
     ///
     /// # Errors

@@ -24,13 +24,15 @@ pub const SIGMA_POINT_DISTANCE: f64 = 1.732_050_807_568_877_2;
 /// developments in state estimation for nonlinear systems, the variance.
 ///
 /// ```
-/// use perturbation_moments::{Moments, RandomVector, SigmaPoints, CentralDifferences, HighestOrder, Verdict};
+/// use perturbation_moments::{Expansion, Moments, RandomVector, SigmaPoints, Verdict};
 ///
-/// // A kink 0.8 deviations from the mean: derivatives there are those of a line, in peace and wrong.
+/// // A kink 0.8 deviations from the mean: its derivatives there are those of a line, and wrong.
 /// let gap = |&[x]: &[f64; 1]| (x - 0.8).max(0.0) + 0.1 * x;
 /// let inputs = RandomVector::independent([0.0], [1.0])?;
-/// let smooth = CentralDifferences { first_step: 0.2, ..CentralDifferences::new(gap, HighestOrder::Third) };
-/// let moments = Moments::by(&inputs, &smooth)?;
+/// let line = Expansion {
+///     value: 0.0, gradient: [0.1], hessian: Some([[0.0]]), third: Some([[[0.0]]]),
+/// };
+/// let moments = Moments::new(&inputs, &line)?;
 /// assert_eq!(moments.trust()?.verdict(), Verdict::InPeace);
 ///
 /// let points = SigmaPoints::new(&inputs, gap)?;

@@ -1,9 +1,9 @@
-//! Jets, dual numbers, closed forms and differences against each other.
+//! Jets, dual numbers and closed forms against each other.
 
 use crate::responses::{JohnsonCook, MieGruneisen, MieGruneisenState};
 use perturbation_moments::{
-    CentralDifferences, Error, Expansion, ForwardDifferentiation, Gradient, HighestOrder, Jet,
-    Moments, MonteCarlo, RandomVector, Response, Scalar, SigmaPoints, Slopes, Verdict,
+    Error, Expansion, ForwardDifferentiation, Gradient, HighestOrder, Jet, Moments, MonteCarlo,
+    RandomVector, Response, Scalar, SigmaPoints, Slopes, Verdict,
 };
 use proptest::prelude::*;
 
@@ -72,32 +72,6 @@ proptest! {
     }
 
     #[test]
-    fn differences_find_what_dual_numbers_find(x in prop::array::uniform3(0.8..2.0_f64)) {
-        let inputs = RandomVector::independent(x, [0.1; 3]).unwrap();
-        let way = CentralDifferences::new(|x: &[f64; 3]| Everything.value(x), HighestOrder::Third);
-        let found = way.differenced(&inputs).unwrap();
-        let judge = forward(&Everything, &x);
-        // First, second, third: the errors are over the deviation, and are what the estimates say they are.
-        let (h, t) = (judge.hessian.unwrap(), judge.third.unwrap());
-        let (h_found, t_found) = (found.expansion.hessian.unwrap(), found.expansion.third.unwrap());
-        let deviation = 0.1 * judge.gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
-        let mut errors = [0.0_f64; 3];
-        for i in 0..3 {
-            errors[0] = errors[0].max(0.1 * (found.expansion.gradient[i] - judge.gradient[i]).abs());
-            for j in 0..3 {
-                errors[1] = errors[1].max(0.01 * (h_found[i][j] - h[i][j]).abs());
-                for k in 0..3 {
-                    errors[2] = errors[2].max(0.001 * (t_found[i][j][k] - t[i][j][k]).abs());
-                }
-            }
-        }
-        for ((error, estimate), limit) in errors.iter().zip(found.largest_errors).zip([1e-10, 1e-9, 1e-7]) {
-            let error = error / deviation;
-            prop_assert!(error < 10.0 * estimate && estimate < limit, "{error:e} {estimate:e}");
-        }
-    }
-
-    #[test]
     fn closed_forms_agree_with_dual_numbers(
         strain in 0.001..2.0_f64,
         rate in 0.01..1e6_f64,
@@ -127,19 +101,6 @@ proptest! {
             prop_assert!((second[k] - expansion.hessian.unwrap()[k][k]).abs() <= 1e-12 * second[k].abs());
         }
     }
-}
-
-#[test]
-fn differences_of_a_polynomial_of_fifth_degree_are_exact_after_two_extrapolations() {
-    // The error of a central difference of x^5 has the powers h^2 and h^4 and no more.
-    let inputs = RandomVector::independent([1.0], [0.5]).unwrap();
-    let way = CentralDifferences::new(|&[x]: &[f64; 1]| x.powi(5), HighestOrder::Third);
-    let found = way.differenced(&inputs).unwrap();
-    let expansion = found.expansion;
-    assert!((expansion.gradient[0] - 5.0).abs() < 1e-13, "{expansion:?}");
-    assert!((expansion.hessian.unwrap()[0][0] - 20.0).abs() < 1e-12, "{expansion:?}");
-    assert!((expansion.third.unwrap()[0][0][0] - 60.0).abs() < 1e-11, "{expansion:?}");
-    assert!(found.largest_errors[2] < 1e-11, "{found:?}");
 }
 
 /// Chen et al. 2019, eq 34-35: what is printed and what is right, at a strain of 0.1, a rate of 1000 and T* = 0.2.
@@ -186,26 +147,15 @@ fn a_kink_is_invisible_to_derivatives_and_noticed_by_sigma_points() {
     // y = |x - 0.8|, x standard normal: seen from 0 a line of slope -1, variance 1. The points at +-sqrt 3 see the slopes
     // -(1.732 + 0.8 - 0.932)/3.464 = -0.46.
     let inputs = RandomVector::independent([0.0], [1.0]).unwrap();
-    let at_mean = |&[x]: &[f64; 1]| Expansion {
-        value: (x - 0.8).abs(),
-        gradient: [-1.0],
-        hessian: Some([[0.0]]),
-        third: Some([[[0.0]]]),
-    };
-    let moments = Moments::by(&inputs, &at_mean).unwrap();
+    let at_mean =
+        Expansion { value: 0.8, gradient: [-1.0], hessian: Some([[0.0]]), third: Some([[[0.0]]]) };
+    let moments = Moments::new(&inputs, &at_mean).unwrap();
     assert_eq!(moments.trust().unwrap().verdict(), Verdict::InPeace);
     let points = SigmaPoints::new(&inputs, |&[x]| (x - 0.8).abs()).unwrap();
     let trust = points.judge(&moments).unwrap();
     assert_eq!(trust.verdict(), Verdict::Warned);
     let slope = 0.8 / 3.0_f64.sqrt();
     assert!((points.along().first[0] + slope).abs() < 1e-15);
-    // Differences that reach across it do not settle.
-    let across = CentralDifferences {
-        first_step: 1.5,
-        ..CentralDifferences::new(|&[x]: &[f64; 1]| (x - 0.01).abs(), HighestOrder::Second)
-    };
-    let refused = Moments::by(&inputs, &across);
-    assert!(matches!(refused, Err(Error::DifferencesUnsettled { .. })), "{refused:?}");
 }
 
 #[test]
@@ -228,11 +178,14 @@ fn kappa_alone_misses_ishigami() {
     }
     let correlation = [[1.0, 0.3, 0.0], [0.3, 1.0, 0.3], [0.0, 0.3, 1.0]];
     let inputs = RandomVector::new([1.0, 0.8, 1.5], [0.3; 3], correlation).unwrap();
-    let way = |order| ForwardDifferentiation { response: Ishigami, order };
-    let blind = Moments::by(&inputs, &way(HighestOrder::Second)).unwrap().trust().unwrap();
+    let moments = |order| {
+        let way = ForwardDifferentiation { response: Ishigami, order };
+        Moments::new(&inputs, &way.expansion(inputs.mean())).unwrap()
+    };
+    let blind = moments(HighestOrder::Second).trust().unwrap();
     assert!(blind.curvature_ratio.unwrap() < 0.01);
     assert_eq!(blind.verdict(), Verdict::Unknown);
-    let seeing = Moments::by(&inputs, &way(HighestOrder::Third)).unwrap();
+    let seeing = moments(HighestOrder::Third);
     assert_eq!(seeing.trust().unwrap().verdict(), Verdict::Warned);
     // And rightly: the variance by quadrature is 4.0221.
     assert!(seeing.variance_first_order() / 4.0221 > 1.3);
@@ -242,8 +195,14 @@ fn kappa_alone_misses_ishigami() {
 fn monte_carlo_raw_and_controlled_agree_and_repeat() {
     let inputs = RandomVector::new([1.0, 0.5], [0.2, 0.1], [[1.0, 0.4], [0.4, 1.0]]).unwrap();
     let exponential = |x: &[f64; 2]| (x[0] + 0.5 * x[1]).exp();
-    let way = CentralDifferences::new(exponential, HighestOrder::Second);
-    let moments = Moments::by(&inputs, &way).unwrap();
+    let value = exponential(inputs.mean());
+    let by_hand = Expansion {
+        value,
+        gradient: [value, 0.5 * value],
+        hessian: Some([[value, 0.5 * value], [0.5 * value, 0.25 * value]]),
+        third: None,
+    };
+    let moments = Moments::new(&inputs, &by_hand).unwrap();
     let judge = MonteCarlo { seed: 5, n_samples: 20_000 };
     let found = judge.judge(&inputs, &moments, exponential).unwrap();
     assert_eq!(found, judge.judge(&inputs, &moments, exponential).unwrap());
@@ -318,4 +277,18 @@ fn one_sided_differences_are_off_by_half_the_step_times_the_curvature_and_know_n
     assert!(matches!(short, Error::TooFew { value: 2, limit: 3, .. }));
     assert!(Slopes::<2>::from_half_star(0.0, &values).is_err());
     assert!(Slopes::<2>::from_half_star(d, &[1.0, f64::NAN, 2.0]).is_err());
+}
+
+#[test]
+fn mistakes_in_derivatives_are_named() {
+    let inputs = RandomVector::independent([0.0; 2], [1.0; 2]).unwrap();
+    let line = Expansion { value: 0.0, gradient: [1.0, 1.0], hessian: None, third: None };
+    let transposed = Expansion { hessian: Some([[0.0, 1.0], [0.0, 0.0]]), ..line };
+    let error = Moments::new(&inputs, &transposed).unwrap_err();
+    assert!(matches!(error, Error::NotSymmetric { matrix: "Hessian", row: 1, column: 0, .. }));
+    let infinite = Expansion { gradient: [1.0, f64::INFINITY], ..line };
+    let error = Moments::new(&inputs, &infinite).unwrap_err();
+    assert!(matches!(error, Error::NotFinite { quantity: "gradient entry", index: 1, .. }));
+    let unknown = Moments::new(&inputs, &line).unwrap().mean_second_order();
+    assert!(matches!(unknown, Err(Error::CurvatureIncomplete { .. })), "{unknown:?}");
 }

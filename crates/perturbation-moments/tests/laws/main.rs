@@ -5,6 +5,5 @@
 #[path = "../responses/mod.rs"]
 mod responses;
 
-mod custom_derivatives;
 mod differentiation;
 mod moments;

@@ -1,8 +1,7 @@
 //! Guides of paths from the backward function of a linearised system.
 
-use sde_integrators::Guide;
+use sde_integrators::{Guide, normal_probability};
 
-use crate::normal_tail::upper_tail;
 use crate::regression::RunningLaw;
 
 /// Start of all paths: mean and factor of its covariance, row by row.
@@ -80,7 +79,7 @@ impl Backward {
     ) -> Guide {
         let (slopes, b, deviation) = self.at_start(start, side, threshold);
         // The expectation of the normals of the start given the event; far out phi/Phi is -b within 1e-3.
-        let shift = if b < -30.0 { -b } else { density(b) / upper_tail(-b) };
+        let shift = if b < -30.0 { -b } else { density(b) / normal_probability(b) };
         let part = |slope: f64| if deviation > 0.0 { shift * slope / deviation } else { 0.0 };
         let start = slopes.into_iter().map(part).collect();
         let (n, of_step) = (self.n_states, 2 * self.n_motions);

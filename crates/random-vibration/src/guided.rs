@@ -2,11 +2,11 @@
 
 use sde_integrators::{
     Additive, Error, GaussianMixture, Integrator, PairwiseSde, Sde, SmallPaths, WongZakai,
+    small_cholesky,
 };
 
 use crate::adjoints::{Loads, backward_at_ends};
 use crate::backward::{Backward, Start, Stepping};
-use crate::cholesky::cholesky;
 use crate::guided_config::PairwiseRule;
 use crate::linearisation::Linearisation;
 use crate::pairwise_regression::PairwiseLaws;
@@ -95,8 +95,7 @@ impl<'a> GuidedPaths<'a> {
             return Err(TailError::Mixture { value });
         }
         check_span(span)?;
-        let factor = cholesky(&law.covariance())
-            .map_err(|(state, value)| TailError::NotACovariance { state, value })?;
+        let factor = small_cholesky(&law.covariance(), 0.0).map_err(TailError::of_pivot)?;
         let behind = Behind(system);
         let regressions =
             small_regression::regressions(linearisation, &behind, law, span.0, &STRENGTHS)?;

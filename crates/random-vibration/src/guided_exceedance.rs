@@ -1,13 +1,12 @@
 //! Exceedance probabilities of some thresholds at some times, from paths guided to them.
 
-use sde_integrators::{Error, Guide};
+use sde_integrators::{Error, Guide, normal_probability};
 
 use crate::backward::Backward;
 use crate::event::Event;
 use crate::guided::{GuidedPaths, check_memory};
 use crate::guided_config::{GuidedConfig, check_times};
 use crate::guided_study::{GuidedEstimates, GuidedStudy, StudySet, StudySets};
-use crate::normal_tail::upper_tail;
 use crate::pilots::{STRENGTHS, strongest};
 use crate::tail::{TailError, Tails};
 use crate::weights::GuidedEstimate;
@@ -173,7 +172,8 @@ impl Towards<'_> {
     fn matters(&self, time: usize, threshold: usize, smallest: f64) -> bool {
         let (start, threshold) = (&self.paths.runner.start, self.thresholds[threshold]);
         let likely = |backward: &Vec<Backward>| {
-            let above = |side: f64| upper_tail(-backward[time].reliability(start, side, threshold));
+            let above =
+                |side: f64| normal_probability(backward[time].reliability(start, side, threshold));
             above(1.0).max(above(-1.0))
         };
         self.of_strengths.iter().map(likely).fold(0.0, f64::max) >= FAR_BELOW * smallest
@@ -212,8 +212,8 @@ impl Towards<'_> {
             return [(1.0, 1.0), (-1.0, 0.0)];
         }
         let start = &self.paths.runner.start;
-        let [upper, lower] =
-            [1.0, -1.0].map(|side| upper_tail(-backward.reliability(start, side, threshold)));
+        let [upper, lower] = [1.0, -1.0]
+            .map(|side| normal_probability(backward.reliability(start, side, threshold)));
         let sum = upper + lower;
         let part = if sum > 0.0 { upper / sum } else { 0.5 };
         let part = part.clamp(SMALLEST_SIDE, 1.0 - SMALLEST_SIDE);

@@ -1,13 +1,12 @@
 //! First passage up to some times, from paths guided to some thresholds at many times.
 
-use sde_integrators::{Error, Guide, Passages, Response, Side};
+use sde_integrators::{Error, Guide, Passages, Response, Side, normal_probability};
 
 use crate::backward::Backward;
 use crate::event::Event;
 use crate::guided::{GuidedPaths, check_memory};
 use crate::guided_config::{GuidedConfig, check_times};
 use crate::guided_study::{GuidedEstimates, GuidedStudy, StudySet, StudySets};
-use crate::normal_tail::upper_tail;
 use crate::pilots::{STRENGTHS, strongest};
 use crate::regression::Regressions;
 use crate::tail::TailError;
@@ -173,7 +172,7 @@ impl GuidedPaths<'_> {
                 for backward in ends.iter().filter_map(|&end| towards.backward(strength, end)) {
                     for &side in sides {
                         let excess = backward.reliability(start, side, threshold);
-                        group.push((backward, side, upper_tail(-excess)));
+                        group.push((backward, side, normal_probability(excess)));
                     }
                 }
             }

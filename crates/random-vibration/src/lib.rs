@@ -2,7 +2,6 @@
 
 mod adjoints;
 mod backward;
-mod cholesky;
 mod discrete_gaussian;
 mod event;
 mod free_passage;
@@ -14,7 +13,6 @@ mod guided_exceedance;
 mod guided_passage;
 mod guided_study;
 mod linearisation;
-mod normal_tail;
 mod pairwise_regression;
 mod path_runner;
 mod pilots;
@@ -34,7 +32,6 @@ pub use guided_exceedance::ExceedanceQuestion;
 pub use guided_passage::PassageQuestion;
 pub use guided_study::{GuidedEstimates, GuidedStudy};
 pub use linearisation::{GaussianLaw, Linearisation, LinearisationError, Quadrature};
-pub use normal_tail::upper_tail;
 pub use path_runner::PathBlock;
 pub use sde_integrators::{Estimate, SubsetConfig, Uncertainty};
 pub use subset_passage::subset_passage;

@@ -1,9 +1,8 @@
 //! Moments by statistical linearisation (Gaussian closure).
 
-use sde_integrators::{Additive, GaussianMixture, Sde};
-
-use crate::cholesky::cholesky;
-use crate::normal_tail::upper_tail;
+use sde_integrators::{
+    Additive, GaussianMixture, Sde, SmallPivot, normal_probability, small_cholesky,
+};
 
 /// Mean and covariance of a normal distribution at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -222,10 +221,8 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
         let state = |k: usize| self.order[k].0;
         let ordered: [[f64; D]; D] =
             std::array::from_fn(|i| std::array::from_fn(|j| law.covariance[state(i)][state(j)]));
-        cholesky(&ordered).map_err(|(k, value)| LinearisationError::NotACovariance {
-            time: law.t,
-            state: state(k),
-            value,
+        small_cholesky(&ordered, 0.0).map_err(|SmallPivot { row, value, .. }| {
+            LinearisationError::NotACovariance { time: law.t, state: state(row), value }
         })
     }
 
@@ -310,7 +307,7 @@ impl<const D: usize> GaussianLaw<D> {
                 variance += weights[i] * self.covariance[i][j] * weights[j];
             }
         }
-        let tail = |side: f64| upper_tail((threshold - side * mean) / variance.sqrt());
+        let tail = |side: f64| normal_probability((side * mean - threshold) / variance.sqrt());
         tail(1.0) + tail(-1.0)
     }
 

@@ -1,8 +1,7 @@
 //! Regressions of a small system, by quadrature over all its states.
 
-use sde_integrators::{Additive, GaussianMixture, Sde};
+use sde_integrators::{Additive, GaussianMixture, Sde, SmallPivot, small_cholesky};
 
-use crate::cholesky::cholesky;
 use crate::linearisation::{Closure, GaussianLaw, Linearisation, LinearisationError};
 use crate::regression::{Regression, Regressions, RunningLaw};
 
@@ -71,9 +70,10 @@ fn regression<const D: usize, const M: usize>(
     let covariance = law.covariance.map(|row| row.map(|entry| square * entry));
     let wide = GaussianLaw { covariance, ..*law };
     let expectations = closure.expectations(&wide)?;
-    let factor = cholesky(&covariance).map_err(|(state, value)| {
-        LinearisationError::NotACovariance { time: law.t, state, value }
-    })?;
+    let factor =
+        small_cholesky(&covariance, 0.0).map_err(|SmallPivot { row, value, .. }| {
+            LinearisationError::NotACovariance { time: law.t, state: row, value }
+        })?;
     let slope = expectations.products.map(|row| solve(&factor, row));
     let constant = (0..D).map(|i| {
         let linear: f64 = slope[i].iter().zip(&law.mean).map(|(a, m)| a * m).sum();

@@ -3,12 +3,17 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use sde_integrators::{
-    DrivenPath, Error, Estimate, GaussianMixture, Integrator, Noise, SubsetConfig,
-    subset_simulation,
+    DrivenPath, Error, Estimate, GaussianMixture, Integrator, Noise, SmallPivot, SubsetConfig,
+    small_cholesky, subset_simulation,
 };
 
-use crate::cholesky::cholesky;
 use crate::linearisation::LinearisationError;
+
+impl TailError {
+    pub(crate) fn of_pivot(SmallPivot { row, value, .. }: SmallPivot) -> Self {
+        Self::NotACovariance { state: row, value }
+    }
+}
 
 /// The state at the end of a path, as a function of its start and of the driving normals.
 type PathEnd<'a, const D: usize> = dyn Fn([f64; D], &[f64]) -> Result<[f64; D], Error> + Sync + 'a;
@@ -103,8 +108,7 @@ impl<'a, const D: usize> TailPaths<'a, D> {
             return Err(TailError::Mixture { value });
         }
         let mean = law.mean();
-        let factor = cholesky(&law.covariance())
-            .map_err(|(state, value)| TailError::NotACovariance { state, value })?;
+        let factor = small_cholesky(&law.covariance(), 0.0).map_err(TailError::of_pivot)?;
         let dt = time / n_steps as f64;
         let path = move |start| DrivenPath { system, integrator, start, dt, n_steps };
         let n_normals = D + path(mean).n_normals::<M>();

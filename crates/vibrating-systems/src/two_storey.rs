@@ -72,12 +72,6 @@ impl TwoStorey {
         // The smaller root by the product of both: the difference would cancel.
         [(product / larger).sqrt(), larger.sqrt()]
     }
-
-    /// The drifts of the storeys, `q_1` and `q_2 - q_1`.
-    #[must_use]
-    pub fn drifts(x: &[f64; 4]) -> [f64; 2] {
-        [x[0], x[1] - x[0]]
-    }
 }
 
 impl Sde<4, 1> for TwoStorey {

@@ -2,9 +2,11 @@
 
 use random_vibration::{
     FreePassages, GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion,
-    SubsetConfig, TailError, Tails, free_passages, subset_passage, upper_tail,
+    SubsetConfig, TailError, Tails, free_passages, subset_passage,
 };
-use sde_integrators::{Between, LaneSde, PairTerm, PairwiseSde, Response, Side};
+use sde_integrators::{
+    Between, LaneSde, PairTerm, PairwiseSde, Response, Side, normal_probability,
+};
 
 use crate::systems::Oscillator;
 
@@ -77,7 +79,7 @@ fn a_linear_system_from_rest_is_found_at_any_probability() {
     let paths = GuidedPaths::from_rest(&system, SPAN, &RULE).unwrap();
     let deviation = LINEAR.covariance([[0.0; 2]; 2], SPAN.0)[0][0].sqrt();
     for z in [3.3, 4.9, 6.1] {
-        let expected = 2.0 * upper_tail(z);
+        let expected = 2.0 * normal_probability(-z);
         let found = paths.exceedance(z * deviation, Tails::Both, &CONFIG).unwrap();
         let error = found.estimate.standard_error().unwrap();
         assert!(error < 0.03 * expected, "{z}: {expected:e} {found:?}");

@@ -2,10 +2,11 @@
 
 use random_vibration::{
     ExceedanceQuestion, GuidedConfig, GuidedPaths, Linearisation, LinearisationError, Quadrature,
-    TailError, Tails, upper_tail,
+    TailError, Tails,
 };
 use sde_integrators::{
     Between, EnsembleConfig, GaussianComponent, GaussianMixture, Response, Shark, Side, maxima,
+    normal_probability,
 };
 
 use crate::systems::Oscillator;
@@ -48,8 +49,8 @@ fn a_linear_demand_is_found_at_any_probability_by_as_many_paths() {
         let paths = paths(&SYSTEM, mean).with_demand(&weights).unwrap();
         for z in [1.0, 3.0, 6.0, 9.0] {
             let threshold = z * deviation;
-            let upper = upper_tail((threshold - centre) / deviation);
-            let lower = upper_tail((threshold + centre) / deviation);
+            let upper = normal_probability((centre - threshold) / deviation);
+            let lower = normal_probability((-centre - threshold) / deviation);
             let expected = if tails == Tails::Upper { upper } else { upper + lower };
             let found = paths.exceedance(threshold, tails, &CONFIG).unwrap();
             let error = found.estimate.standard_error().unwrap();
@@ -105,7 +106,7 @@ fn a_surface_over_times_and_thresholds_is_that_of_each_alone() {
             let deviation = SYSTEM.covariance(COVARIANCE, t)[0][0].sqrt();
             for (threshold, found) in thresholds.iter().zip(row) {
                 let (found, z) = (found.as_ref().unwrap(), threshold / deviation);
-                let expected = 2.0 * upper_tail(z);
+                let expected = 2.0 * normal_probability(-z);
                 let error = found.estimate.standard_error().unwrap();
                 // A third of the paths is guided to each threshold.
                 assert!(error < 1.6 * 3_f64.sqrt() * expected / 2_000_f64.sqrt(), "{found:?}");

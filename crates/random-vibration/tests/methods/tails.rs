@@ -1,7 +1,7 @@
 //! Subset simulation of one time.
 
-use random_vibration::{SubsetConfig, TailError, TailPaths, upper_tail};
-use sde_integrators::{GaussianComponent, GaussianMixture, Shark};
+use random_vibration::{SubsetConfig, TailError, TailPaths};
+use sde_integrators::{GaussianComponent, GaussianMixture, Shark, normal_probability};
 
 use crate::systems::Oscillator;
 
@@ -20,7 +20,8 @@ fn exact(mean: [f64; 2], weights: [f64; 2], threshold: f64) -> f64 {
         }
     }
     let deviation = variance.sqrt();
-    upper_tail((threshold - centre) / deviation) + upper_tail((threshold + centre) / deviation)
+    normal_probability((centre - threshold) / deviation)
+        + normal_probability((-centre - threshold) / deviation)
 }
 
 #[test]

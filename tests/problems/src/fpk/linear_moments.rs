@@ -1,8 +1,7 @@
 //! Exact first and second moments of a linear system, and the tails of its normal law.
 
-use random_vibration::upper_tail;
 use result_figures::Reference;
-use sde_integrators::{GaussianMixture, Sde};
+use sde_integrators::{GaussianMixture, Sde, normal_probability};
 
 /// The normal law of a linear system at a time, with the error of its integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -215,7 +214,7 @@ impl<const D: usize> NormalLaw<D> {
         }
         let deviation = variance.sqrt();
         let (above, below) = ((threshold - mean) / deviation, (threshold + mean) / deviation);
-        let p = upper_tail(above) + upper_tail(below);
+        let p = normal_probability(-above) + normal_probability(-below);
         // d ln P/d ln variance is at most (1 + z^2)/2.
         let z = above.abs().max(below.abs());
         Reference::uncertain(p, p * 0.5 * (1.0 + z * z) * self.relative_error)

@@ -1,7 +1,6 @@
 //! A mixture of Gaussians in a linear system: a law that is not Gaussian and has a closed form at all times.
 
-use random_vibration::upper_tail;
-use sde_integrators::{GaussianComponent, GaussianMixture, Sde};
+use sde_integrators::{GaussianComponent, GaussianMixture, Sde, normal_probability};
 
 use super::linear_moments::{NormalLaw, linear_moments};
 use crate::context::CaseError;
@@ -74,7 +73,7 @@ impl MixtureLaw {
     pub fn exceedance(&self, threshold: f64) -> f64 {
         let of = |(weight, law): &(f64, NormalLaw<2>)| {
             let (mean, deviation) = (law.mean[0], law.covariance[0][0].sqrt());
-            let tail = |distance: f64| upper_tail(distance / deviation);
+            let tail = |distance: f64| normal_probability(-distance / deviation);
             weight * (tail(threshold - mean) + tail(threshold + mean))
         };
         self.components.iter().map(of).sum()

@@ -1,6 +1,5 @@
 //! One step of the method.
 
-use crate::cloud::metric::{condition_number, mean_and_covariance};
 use crate::error::Error;
 use crate::extremes::{first_smallest, last_greatest};
 use crate::method::remapping::Remapped;
@@ -149,8 +148,6 @@ impl<const D: usize> Solver<D> {
     /// The report of a step of the given length, from its first stage.
     pub(crate) fn report(&self, length: &StepLength) -> StepReport {
         let Self { discretisation, state, evaluation, stages, .. } = self;
-        let of_state = || mean_and_covariance(&state.positions, &state.masses).1;
-        let covariance = evaluation.cloud.covariance.unwrap_or_else(of_state);
         let h = &state.smoothing_lengths;
         let lengths =
             |first: usize, out: &mut [f64]| out.copy_from_slice(&h[first..first + out.len()]);
@@ -164,7 +161,6 @@ impl<const D: usize> Solver<D> {
             neighbours_mean: evaluation.cloud.neighbours_mean(discretisation),
             h_min: first_smallest(h.len(), lengths).1,
             h_max: last_greatest(h.len(), lengths).1,
-            covariance_condition: condition_number(&covariance),
             unresolved: evaluation.estimates.unresolved,
             fits: evaluation.estimates.fits,
             remapped: None,

@@ -5,8 +5,6 @@
     reason = "what is not inlined into a dispatched function is not compiled for its registers"
 )]
 
-use nalgebra::{SMatrix, SymmetricEigen};
-
 use crate::error::Error;
 
 /// In which coordinates smoothing lengths and distances are measured.
@@ -200,32 +198,6 @@ fn cholesky<const D: usize>(covariance: &[[f64; D]; D]) -> Result<[[f64; D]; D],
     Ok(factor)
 }
 
-/// Largest over smallest eigenvalue of a covariance; infinite where the smallest is not positive, NaN where the
-/// iteration does not converge.
-pub(crate) fn condition_number<const D: usize>(covariance: &[[f64; D]; D]) -> f64 {
-    // A static size for each dimension, so that a step allocates nothing; nalgebra's bounds do not take a generic one.
-    macro_rules! eigenvalues {
-        ($($n:literal)*) => {
-            match D {
-                $($n => {
-                    let matrix = SMatrix::<f64, $n, $n>::from_fn(|i, j| covariance[i][j]);
-                    SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_SWEEPS)
-                        .map(|eigen| (eigen.eigenvalues.min(), eigen.eigenvalues.max()))
-                })*
-                _ => Some((1.0, 1.0)),
-            }
-        };
-    }
-    let extremes: Option<(f64, f64)> = eigenvalues!(2 3 4 5 6);
-    extremes.map_or(
-        f64::NAN,
-        |(smallest, largest)| if smallest > 0.0 { largest / smallest } else { f64::INFINITY },
-    )
-}
-
-/// Iterations that no 6 x 6 matrix needs.
-const MOST_SWEEPS: usize = 1000;
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -268,11 +240,5 @@ mod tests {
             unreachable!("{error}")
         };
         assert!(pivot < limit);
-    }
-
-    #[test]
-    fn the_condition_number_is_the_ratio_of_the_eigenvalues() {
-        // Eigenvalues 3 and 1.
-        assert!((condition_number(&[[2.0, 1.0], [1.0, 2.0]]) - 3.0).abs() < 1e-12);
     }
 }

@@ -32,8 +32,6 @@ pub(crate) struct Evaluation<const D: usize> {
 #[derive(Debug)]
 pub(crate) struct WhitenedCloud<const D: usize> {
     pub(crate) whitening: Whitening<D>,
-    /// Covariance of the particles that the metric makes the unit matrix; none where it does not.
-    pub(crate) covariance: Option<[[f64; D]; D]>,
     /// `y_i`.
     pub(crate) positions: Vec<[f64; D]>,
     /// Smoothing lengths `h_i`, those of the stage.
@@ -49,7 +47,6 @@ impl<const D: usize> WhitenedCloud<D> {
     fn new(n: usize) -> Self {
         Self {
             whitening: Whitening::identity(),
-            covariance: None,
             positions: vec![[0.0; D]; n],
             smoothing_lengths: vec![0.0; n],
             radii: vec![0.0; n],
@@ -70,7 +67,6 @@ impl<const D: usize> WhitenedCloud<D> {
         if discretisation.combination.metric == Metric::Whitened {
             let (mean, covariance) = mean_and_covariance(x, &state.masses);
             self.whitening = Whitening::of_covariance(mean, &covariance, at)?;
-            self.covariance = Some(covariance);
         }
         let support = discretisation.estimator.support();
         let Self { whitening, positions, radii, .. } = self;

@@ -25,8 +25,6 @@ pub struct StepReport {
     pub h_min: f64,
     /// Largest smoothing length.
     pub h_max: f64,
-    /// Largest over smallest eigenvalue of the cloud's covariance, in the units of the state.
-    pub covariance_condition: f64,
     /// Particles that the estimator could not resolve at the first stage.
     pub unresolved: Unresolved,
     /// How well the neighbours determined the local fits of the first stage.

@@ -1,7 +1,7 @@
 //! Derivatives along the directions `L e_k`, as carried by the jets of a solver.
 
 use crate::error::{Error, require_finite, require_positive};
-use crate::jet::{Jet, LANES};
+use crate::numbers::jet::{Jet, LANES};
 use crate::random_vector::RandomVector;
 
 /// Value, first and second derivatives along the `N` independent standard normals $t$ of a random vector.

@@ -1,6 +1,6 @@
 //! The trait of a differentiable response.
 
-use crate::scalar::Scalar;
+use crate::numbers::scalar::Scalar;
 
 /// A response $y(x_1, .., x_N)$ written once for every number type.
 ///

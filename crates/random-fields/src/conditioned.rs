@@ -2,7 +2,7 @@
 
 use sde_integrators::{Cholesky, Noise};
 
-use crate::correlation::distance;
+use crate::correlations::correlation::distance;
 use crate::error::{Error, finite, same_length};
 use crate::random_field::RandomField;
 use crate::symmetric_eigen::symmetric_eigen;

@@ -2,10 +2,10 @@
 
 use sde_integrators::{LowRankFactor, Noise, NoiseFactor, Purpose, Stream};
 
+use crate::correlations::spatial_correlation::{SpatialCorrelation, bounds};
 use crate::error::{Error, between, positive, same_length};
 use crate::lattice_field::LatticeField;
 use crate::pivoted_cholesky::{Enough, pivoted_cholesky};
-use crate::spatial_correlation::{SpatialCorrelation, bounds};
 
 /// Largest distance of a node from its lattice point, in spacings.
 const OFF_LATTICE: f64 = 1e-6;
@@ -184,7 +184,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test ends by it")]
 
     use super::*;
-    use crate::correlation::{Correlation, CorrelationFunction};
+    use crate::correlations::correlation::{Correlation, CorrelationFunction};
 
     const CORRELATION: Correlation =
         Correlation { function: CorrelationFunction::Matern32, length: 2.0 };

@@ -4,8 +4,8 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 use sde_integrators::Stream;
 
+use crate::correlations::spatial_correlation::SpatialCorrelation;
 use crate::error::Error;
-use crate::spatial_correlation::SpatialCorrelation;
 
 /// Most points of an embedding: 400 MB of it.
 pub(crate) const MOST_POINTS: usize = 1 << 24;
@@ -222,7 +222,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test ends by it")]
 
     use super::*;
-    use crate::correlation::{Correlation, CorrelationFunction};
+    use crate::correlations::correlation::{Correlation, CorrelationFunction};
 
     #[test]
     fn transform_of_a_wave_is_one_amplitude() {

@@ -2,12 +2,12 @@
 
 use sde_integrators::Noise;
 
-use crate::box_modes::BoxModes;
+use crate::correlations::spatial_correlation::{SpatialCorrelation, bounds};
 use crate::error::{Error, same_length};
 use crate::gaussian_field::normals_of;
-use crate::pivot_modes::PivotModes;
-use crate::spatial_correlation::{SpatialCorrelation, bounds};
-use crate::truncation::Truncation;
+use crate::modes::box_modes::BoxModes;
+use crate::modes::pivot_modes::PivotModes;
+use crate::modes::truncation::Truncation;
 
 /// A Gaussian field of mean zero and variance one as a function of space: a sum of modes with independent standard normal
 /// coefficients,

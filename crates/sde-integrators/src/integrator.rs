@@ -1,8 +1,8 @@
 //! The integrator trait: one step of a method.
 
 use crate::error::StepError;
-use crate::lane_increments::{LANES, LaneIncrements};
-use crate::noise::Increment;
+use crate::noise::lane_increments::{LANES, LaneIncrements};
+use crate::noise::streams::Increment;
 
 /// Which ends of a step adjoin another step of the same length, with the state between them unobserved.
 ///
@@ -124,7 +124,7 @@ macro_rules! integrate_second_order_lanes {
                 system: &S,
                 t: f64,
                 dt: f64,
-                dw: &$crate::noise::Increment<M>,
+                dw: &$crate::noise::streams::Increment<M>,
                 x: &mut [f64; $d],
                 memory: &mut Self::Memory,
             ) -> Result<(), $crate::error::StepError> {
@@ -149,9 +149,9 @@ macro_rules! integrate_second_order_lanes {
                 system: &S,
                 t: f64,
                 dt: f64,
-                dw: &$crate::lane_increments::LaneIncrements<M>,
-                x: &mut [[f64; $crate::lane_increments::LANES]; $d],
-                memory: &mut [Self::Memory; $crate::lane_increments::LANES],
+                dw: &$crate::noise::lane_increments::LaneIncrements<M>,
+                x: &mut [[f64; $crate::noise::lane_increments::LANES]; $d],
+                memory: &mut [Self::Memory; $crate::noise::lane_increments::LANES],
                 failed: &mut dyn FnMut(usize, $crate::error::StepError),
             ) {
                 let joints = $crate::integrator::Joints::default();
@@ -169,16 +169,16 @@ macro_rules! integrate_second_order_lanes {
                 system: &S,
                 t: f64,
                 dt: f64,
-                dw: &$crate::lane_increments::LaneIncrements<M>,
-                x: &mut [[f64; $crate::lane_increments::LANES]; $d],
-                memory: &mut [Self::Memory; $crate::lane_increments::LANES],
+                dw: &$crate::noise::lane_increments::LaneIncrements<M>,
+                x: &mut [[f64; $crate::noise::lane_increments::LANES]; $d],
+                memory: &mut [Self::Memory; $crate::noise::lane_increments::LANES],
                 _failed: &mut dyn FnMut(usize, $crate::error::StepError),
             ) {
                 // All lanes have taken the same steps: the first memory is that of every lane.
                 let prepared = Self::prepare::<S, $n, M>(system, (t, dt), joints, &mut memory[0]);
                 // A separate loop: inside the other one it would be computed and discarded at joints.
                 if !joints.before {
-                    for lane in 0..$crate::lane_increments::LANES {
+                    for lane in 0..$crate::noise::lane_increments::LANES {
                         let mut q = std::array::from_fn(|k| x[k][lane]);
                         let mut v = std::array::from_fn(|k| x[$n + k][lane]);
                         Self::open::<S, $n, M>(system, (t, dt), (&mut q, &mut v));
@@ -188,7 +188,7 @@ macro_rules! integrate_second_order_lanes {
                         }
                     }
                 }
-                for lane in 0..$crate::lane_increments::LANES {
+                for lane in 0..$crate::noise::lane_increments::LANES {
                     let mut q = std::array::from_fn(|k| x[k][lane]);
                     let mut v = std::array::from_fn(|k| x[$n + k][lane]);
                     let dw = dw.lane(lane);

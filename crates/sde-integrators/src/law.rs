@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::cholesky::{SmallPivot, small_cholesky};
 use crate::error::Error;
-use crate::noise::{Noise, Purpose};
+use crate::noise::cholesky::{SmallPivot, small_cholesky};
+use crate::noise::streams::{Noise, Purpose};
 
 /// Distribution of the initial state. Implement it for further distributions; a point `[f64; D]` is one too.
 pub trait InitialDistribution<const D: usize>: Sync {

@@ -1,8 +1,9 @@
 //! The oscillator with a cubic spring.
 
-use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
+use sde_integrators::SecondOrder;
 
 use crate::error::{Error, not_negative};
+use crate::oscillators::first_order::first_order;
 use crate::stationary::StationaryOscillator;
 use crate::{LinearOscillator, LinearOscillatorParameters};
 
@@ -72,25 +73,7 @@ impl Duffing {
     }
 }
 
-impl Sde<2, 1> for Duffing {
-    type Noise = Additive;
-
-    #[inline]
-    fn drift(&self, t: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
-        let [acceleration] = self.acceleration(t, &[q], &[v]);
-        [v, acceleration]
-    }
-
-    #[inline]
-    fn noise(&self, t: f64, x: &[f64; 2]) -> [[f64; 1]; 2] {
-        self.structure.noise(t, x)
-    }
-
-    #[inline]
-    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
-        Some(linear_part_of(self))
-    }
-}
+first_order!(Duffing);
 
 impl SecondOrder<1, 1> for Duffing {
     #[inline]

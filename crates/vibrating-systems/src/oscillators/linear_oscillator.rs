@@ -1,9 +1,10 @@
 //! The linear oscillator under modulated white noise: the system whose answer is exact.
 
-use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
+use sde_integrators::SecondOrder;
 
 use crate::Window;
 use crate::error::{Error, not_negative, positive};
+use crate::oscillators::first_order::first_order;
 
 /// Parameters of a [`LinearOscillator`].
 #[derive(Debug, Clone, PartialEq)]
@@ -60,25 +61,7 @@ impl LinearOscillator {
     }
 }
 
-impl Sde<2, 1> for LinearOscillator {
-    type Noise = Additive;
-
-    #[inline]
-    fn drift(&self, t: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
-        let [acceleration] = self.acceleration(t, &[q], &[v]);
-        [v, acceleration]
-    }
-
-    #[inline]
-    fn noise(&self, t: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
-        [[0.0], [self.noise_amplitude(t)]]
-    }
-
-    #[inline]
-    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
-        Some(linear_part_of(self))
-    }
-}
+first_order!(LinearOscillator);
 
 impl SecondOrder<1, 1> for LinearOscillator {
     #[inline]

@@ -4,6 +4,7 @@
 
 pub(crate) mod bouc_wen;
 pub(crate) mod duffing;
+pub(crate) mod first_order;
 pub(crate) mod hysteresis;
 pub(crate) mod linear_oscillator;
 pub(crate) mod shear_building;

@@ -1,9 +1,10 @@
 //! The self-excited oscillator of van der Pol and Rayleigh.
 
-use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
+use sde_integrators::SecondOrder;
 
 use crate::Window;
 use crate::error::{Error, finite, not_negative, positive};
+use crate::oscillators::first_order::first_order;
 use crate::stationary::StationaryOscillator;
 
 /// Parameters of a [`VanDerPolRayleigh`] oscillator.
@@ -83,26 +84,7 @@ impl VanDerPolRayleigh {
     }
 }
 
-impl Sde<2, 1> for VanDerPolRayleigh {
-    type Noise = Additive;
-
-    #[inline]
-    fn drift(&self, t: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
-        let [acceleration] = self.acceleration(t, &[q], &[v]);
-        [v, acceleration]
-    }
-
-    #[inline]
-    fn noise(&self, t: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
-        let [intensity] = SecondOrder::noise_intensity(self, t);
-        [[0.0], intensity]
-    }
-
-    #[inline]
-    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
-        Some(linear_part_of(self))
-    }
-}
+first_order!(VanDerPolRayleigh);
 
 impl SecondOrder<1, 1> for VanDerPolRayleigh {
     #[inline]

@@ -1,9 +1,10 @@
 //! The oscillator with a nonlinear viscous damper.
 
-use sde_integrators::{Additive, Sde, SecondOrder, linear_part_of};
+use sde_integrators::SecondOrder;
 use simd_lanes::{exp, power};
 
 use crate::error::{Error, not_negative, positive};
+use crate::oscillators::first_order::first_order;
 use crate::{LinearOscillator, LinearOscillatorParameters};
 
 /// Parameters of a [`ViscousDamper`].
@@ -53,25 +54,7 @@ impl ViscousDamper {
     }
 }
 
-impl Sde<2, 1> for ViscousDamper {
-    type Noise = Additive;
-
-    #[inline]
-    fn drift(&self, t: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
-        let [acceleration] = self.acceleration(t, &[q], &[v]);
-        [v, acceleration]
-    }
-
-    #[inline]
-    fn noise(&self, t: f64, x: &[f64; 2]) -> [[f64; 1]; 2] {
-        self.structure.noise(t, x)
-    }
-
-    #[inline]
-    fn linear_part(&self) -> Option<[[f64; 2]; 2]> {
-        Some(linear_part_of(self))
-    }
-}
+first_order!(ViscousDamper);
 
 impl SecondOrder<1, 1> for ViscousDamper {
     #[inline]
@@ -123,6 +106,7 @@ pub(crate) fn damper_force(coefficient: f64, exponent: f64, v: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::Window;
+    use sde_integrators::Sde;
 
     fn damper(damper_exponent: f64) -> ViscousDamper {
         let structure = LinearOscillatorParameters {

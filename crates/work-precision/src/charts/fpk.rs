@@ -1,6 +1,7 @@
 //! Error against cost of all methods for the same quantities, with the cheapest method for a tolerance; and the exceedance
 //! probability of the damper over time.
 
+mod question;
 mod records;
 mod runs;
 mod table;
@@ -15,8 +16,9 @@ use scenes::machine::Machine;
 use sde_integrators::{Shark, StrangOscillator};
 use vibrating_systems::StrangBoucWen;
 
-use self::records::{Quantity, Scene, charts};
-use self::runs::{Ladder, Question, Setting, papers_ladder, usual};
+use self::question::{LEVELS, Question};
+use self::records::{Scene, charts};
+use self::runs::{Ladder, Setting, papers_ladder, usual};
 use self::table::page;
 use crate::draw::ChartKind;
 use crate::problems::exceedance_surface::{ExceedanceSurface, SMALLEST};
@@ -49,9 +51,6 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     })
 }
 
-/// Levels of the probabilities.
-const LEVELS: [(&str, f64); 3] = [("tail-3", 1e-3), ("tail-6", 1e-6), ("tail-9", 1e-9)];
-
 /// Thresholds at which a normal distribution has exactly the probabilities of [`LEVELS`], by bisection.
 fn normal_targets<const D: usize>(law: &NormalLaw<D>) -> Vec<(f64, Reference)> {
     let mut weights = [0.0; D];
@@ -77,63 +76,6 @@ fn tabled_targets(
     let target =
         |threshold| Ok((threshold, reference(threshold).ok_or("no reference at this threshold")?));
     thresholds.into_iter().map(target).collect()
-}
-
-fn relative_error(reference: &Reference) -> f64 {
-    reference.error.unwrap_or(0.0) / reference.value
-}
-
-impl<const D: usize> Question<D> {
-    /// Second moments at a time, and a probability at the threshold of each of [`LEVELS`].
-    fn moments_and_tails(
-        time: f64,
-        n_steps: usize,
-        moments: [([u32; D], Reference); 2],
-        targets: &[(f64, Reference)],
-    ) -> Self {
-        let mut quantities = vec![Quantity {
-            name: "moments",
-            title: "Second moments: the worse of E[q^2] and E[q'^2]".into(),
-            reference_error: moments.iter().map(|(_, r)| relative_error(r)).fold(0.0, f64::max),
-            cells: Vec::new(),
-            smallest: 0.0,
-        }];
-        for (k, ((name, _), (threshold, reference))) in LEVELS.iter().zip(targets).enumerate() {
-            quantities.push(Quantity {
-                name,
-                title: format!("Probability P(|q| > {threshold:.3}) = {:.1e}", reference.value),
-                reference_error: relative_error(reference),
-                cells: vec![((0, k), *reference)],
-                smallest: 0.0,
-            });
-        }
-        Self {
-            moments: moments.to_vec(),
-            times: vec![time],
-            thresholds: targets.iter().map(|(threshold, _)| *threshold).collect(),
-            steps_each: n_steps,
-            quantities,
-        }
-    }
-
-    /// The whole surface `P(|q| > T)` over time and threshold: one quantity, whose error is the worst of all cells.
-    fn surface(surface: ExceedanceSurface, steps_each: usize) -> Self {
-        let cells: Vec<_> = surface.cells().collect();
-        let quantity = Quantity {
-            name: "surface",
-            title: format!(
-                "Surface P(|q| > T) at {} times and {} thresholds: the worst of its {} cells above {SMALLEST:.0e}",
-                surface.times.len(),
-                surface.thresholds.len(),
-                cells.len()
-            ),
-            reference_error: surface.relative_error(),
-            cells,
-            smallest: SMALLEST,
-        };
-        let ExceedanceSurface { times, thresholds, .. } = surface;
-        Self { moments: Vec::new(), times, thresholds, steps_each, quantities: vec![quantity] }
-    }
 }
 
 /// The lattices of boxes.

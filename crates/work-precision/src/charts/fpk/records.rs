@@ -1,12 +1,12 @@
 //! Cost and error of a run of a method, and their charts.
 
 use result_figures::{
-    Drawing, DrawingError, Measure, Method, Reference, Run, RunOutcome, Words, WorkPrecision,
+    Drawing, DrawingError, Measure, Method, Run, RunOutcome, Words, WorkPrecision,
 };
 use scenes::machine::Machine;
 use serde::Serialize;
 
-use super::runs::Question;
+use super::question::{Quantity, Question};
 use crate::charts::cost::cost_in_seconds;
 
 /// One run of one method for one quantity.
@@ -46,19 +46,6 @@ impl Scene {
         self.quantities.extend(question.quantities.iter().cloned());
         self.records.extend(records);
     }
-}
-
-/// One quantity: both moments, or the probabilities of some times and thresholds, of which the worst counts.
-#[derive(Debug, Clone)]
-pub(super) struct Quantity {
-    pub(super) name: &'static str,
-    pub(super) title: String,
-    /// Relative error of its reference.
-    pub(super) reference_error: f64,
-    /// Indices of time and threshold with the reference; none for moments.
-    pub(super) cells: Vec<((usize, usize), Reference)>,
-    /// Probability below which a cell needs no guide.
-    pub(super) smallest: f64,
 }
 
 /// Result or failure of a run.

@@ -11,12 +11,13 @@ use random_vibration::{
     TailPaths, Tails,
 };
 use result_figures::Reference;
-use scenes::fpk::density::{self, Demand, Erased, Requested};
+use scenes::fpk::density::{self, Erased};
 use scenes::fpk::monte_carlo::{self, Sampling};
 use scenes::fpk::paths::Paths;
 use sde_integrators::{Additive, Estimate, GaussianMixture, Integrator, Sde, SubsetConfig};
 
-use super::records::{Outcome, Quantity, Record};
+use super::question::{Quantity, Question};
+use super::records::{Outcome, Record};
 use crate::charts::cost::{group_thousands, timed};
 use reference_problems::context::{CaseError, Context, Profile};
 
@@ -86,35 +87,6 @@ pub(super) fn papers_ladder() -> Ladder<2> {
 
 /// CPU time above which a run is not repeated.
 const LONG: Duration = Duration::from_secs(1);
-
-/// What one run of a method may answer: moments at the only time, probabilities at times and thresholds.
-pub(super) struct Question<const D: usize> {
-    /// `E[q^2]` and `E[q'^2]`, or none.
-    pub(super) moments: Vec<([u32; D], Reference)>,
-    pub(super) times: Vec<f64>,
-    pub(super) thresholds: Vec<f64>,
-    /// Steps of a path from one time to the next.
-    pub(super) steps_each: usize,
-    pub(super) quantities: Vec<Quantity>,
-}
-
-impl<const D: usize> Question<D> {
-    fn asked(&self, cells: bool) -> Requested<D> {
-        Requested {
-            times: self.times.clone(),
-            powers: self.moments.iter().map(|(powers, _)| *powers).collect(),
-            demand: Demand::of_state(0, "q", D),
-            thresholds: self.thresholds.clone(),
-            cells,
-        }
-    }
-
-    /// Last time and its number of steps.
-    fn span(&self) -> (f64, usize) {
-        let last = self.times.last().copied().unwrap_or_default();
-        (last, self.times.len() * self.steps_each)
-    }
-}
 
 /// The answers of one run: moments, and probabilities per time and threshold.
 struct Answers<T> {

@@ -1,5 +1,7 @@
 //! First passage: what happens between the steps, by the right rule and by wrong ones; rare events by subset simulation.
 
+#![allow(clippy::unwrap_used, reason = "a test ends by it")]
+
 use sde_integrators::{
     Additive, Between, DrivenPath, EnsembleConfig, Error, Estimate, EulerMaruyama, GaussianMixture,
     Noise, Response, Sde, Side, StateSpace, StrangOscillator, SubsetConfig, maxima,

@@ -1,9 +1,9 @@
 //! What is asked of all methods: second moments, probabilities at three levels, and surfaces of probabilities.
 
 use result_figures::Reference;
-use scenes::fpk::density::{Requested, Demand};
+use scenes::fpk::density::{Demand, Requested};
 
-use reference_problems::fpk::exceedance_surface::{ExceedanceSurface, SMALLEST};
+use crate::problems::exceedance_surface::{ExceedanceSurface, SMALLEST};
 
 /// Levels of the probabilities.
 pub(super) const LEVELS: [(&str, f64); 3] = [("tail-3", 1e-3), ("tail-6", 1e-6), ("tail-9", 1e-9)];

@@ -109,7 +109,10 @@ impl<T: Real, const D: usize, const M: usize> Row<'_, T, D, M> {
         };
         let nodal_here = nodal_at(group);
         for (number, (vector, &word)) in self.grid.stencil.vectors.iter().zip(words).enumerate() {
-            let xi = vector.xi.map(|xi| registers.splat(xi));
+            let mut xi = [limit; D];
+            for k in 0..D {
+                xi[k] = registers.splat(vector.xi[k]);
+            }
             let inverse_square = registers.splat(vector.inverse_square);
             let factor = registers.splat(match P::KIND {
                 Kind::Dilatation => self.solid.moments[number],
@@ -123,8 +126,11 @@ impl<T: Real, const D: usize, const M: usize> Row<'_, T, D, M> {
             for register in 0..N {
                 let at = register * lanes;
                 // Where there is no bond, what is read instead does not count.
-                let u = |of: &[&[T]; D], k: usize| registers.load_at(of[k], at);
-                let eta = std::array::from_fn(|k| u(&there, k) - u(&here, k));
+                // Without closures over registers: one that is not inlined is compiled without their instructions.
+                let mut eta = xi;
+                for k in 0..D {
+                    eta[k] = registers.load_at(there[k], at) - registers.load_at(here[k], at);
+                }
                 let shape = (&xi, inverse_square);
                 let Separation { direction, elongation } = Separation::<R::Vector, D>::new::<
                     R,
@@ -145,10 +151,10 @@ impl<T: Real, const D: usize, const M: usize> Row<'_, T, D, M> {
                     Kind::PairForce => factor * pull,
                     Kind::Dilatation => factor * stretch::<_, LINEAR>(w, pull),
                     Kind::SolidForce => {
-                        let [sigma, tau] = [0, 1].map(|k| {
-                            registers.load_at(nodal_here[k], at)
-                                + registers.load_at(nodal_there[k], at)
-                        });
+                        let sigma = registers.load_at(nodal_here[0], at)
+                            + registers.load_at(nodal_there[0], at);
+                        let tau = registers.load_at(nodal_here[1], at)
+                            + registers.load_at(nodal_there[1], at);
                         let tension = solid_tension_over_weight::<_, LINEAR>(sigma, tau, pull);
                         intact(registers, factor * tension, word >> at)
                     }

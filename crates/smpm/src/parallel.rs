@@ -7,7 +7,7 @@
 #[cfg(feature = "rayon")]
 const PIECES: usize = 16;
 
-/// Both, at once where there are threads.
+/// Runs both, at once where there are threads.
 pub(crate) fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     #[cfg(feature = "rayon")]
     {

@@ -1,4 +1,4 @@
-//! A run that is looked at, and its steps, for runs that are to take the same.
+//! Records of runs, and their steps, for runs that are to take the same.
 
 use crate::error::Error;
 use crate::number::CarriedNumber;
@@ -30,7 +30,7 @@ impl Schedule {
     }
 }
 
-/// What a run has shown.
+/// The record of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record<S> {
     /// The responses, in the order of the plan.
@@ -39,18 +39,18 @@ pub struct Record<S> {
     pub schedule: Schedule,
 }
 
-/// What a run has gathered by a step.
+/// Sums of the windows and steps of a run under way.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Gathered<T> {
     /// The sums of the windows, in the order of the plan.
     pub(crate) values: Vec<T>,
     /// The steps to each stop that it has come to.
     pub(crate) steps: Vec<Vec<f64>>,
-    /// Those towards the next.
+    /// The steps towards the next stop.
     pub(crate) taken: Vec<f64>,
 }
 
-/// Who looks on while a run is recorded.
+/// Observer of a run that is recorded.
 pub(crate) trait Witness<S, T, const D: usize> {
     /// Before the first step: a resumed run takes the state of the run that gathered this.
     fn begin(
@@ -74,11 +74,11 @@ pub(crate) trait Witness<S, T, const D: usize> {
     }
     /// Calls with every number that it remembers of no one window: what is written there is remembered instead.
     fn visit_memory(&mut self, _visit: &mut dyn FnMut(&mut f64)) {}
-    /// The same of a window.
+    /// Calls with every number that it remembers of a window.
     fn visit_window(&mut self, _window: usize, _visit: &mut dyn FnMut(&mut f64)) {}
 }
 
-/// Nobody.
+/// An observer that does nothing.
 impl<S, T, const D: usize> Witness<S, T, D> for () {}
 
 /// How a quantity is read at a gauge: in the numbers of the run, or in others.
@@ -86,7 +86,7 @@ pub(crate) trait Reader<S, T, const D: usize> {
     fn read(&self, run: &Simulation<S, D>, gauge: &Located, quantity: Quantity) -> T;
 }
 
-/// As recorded so far.
+/// Reads quantities in the numbers of the run.
 pub(crate) struct Plain;
 
 impl<S: CarriedNumber, const D: usize> Reader<S, S, D> for Plain {

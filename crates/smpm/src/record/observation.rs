@@ -78,7 +78,7 @@ impl FromStr for Quantity {
 }
 
 impl Quantity {
-    /// Every one there is.
+    /// All quantities.
     pub fn all() -> impl Iterator<Item = Self> {
         const SCALARS: [Quantity; 8] = [
             Quantity::Pressure,
@@ -105,7 +105,7 @@ impl Quantity {
         if value < limit { Ok(()) } else { Err(Error::NoSuchAxis { value, limit }) }
     }
 
-    /// Of one particle.
+    /// The quantity of one particle.
     ///
     /// # Errors
     /// [`Error::NoSuchAxis`], [`Error::NoSuchParticle`].
@@ -177,9 +177,9 @@ pub enum Place<const D: usize> {
 pub struct Gauge<const D: usize> {
     /// How results call it.
     pub name: String,
-    /// Which body, from 0.
+    /// The number of its body, from 0.
     pub body: usize,
-    /// Which of its particles.
+    /// The place of the particles that it reads.
     pub place: Place<D>,
 }
 
@@ -200,16 +200,16 @@ impl Window {
     }
 }
 
-/// What is looked at: every quantity at every gauge over every window.
+/// The plan of outputs: every quantity at every gauge over every window.
 ///
 /// Responses are numbered gauge by gauge, within it quantity by quantity, within it window by window.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plan<const D: usize> {
-    /// Where.
+    /// Where quantities are read.
     pub gauges: Vec<Gauge<D>>,
-    /// What.
+    /// The quantities that are read.
     pub quantities: Vec<Quantity>,
-    /// When.
+    /// The times of observation.
     pub windows: Vec<Window>,
 }
 

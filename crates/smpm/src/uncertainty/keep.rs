@@ -1,4 +1,4 @@
-//! How far a run has come, as plain data, and who keeps it.
+//! Saved runs: the state of a run as plain data, and where it is stored.
 
 use std::error::Error as StdError;
 
@@ -8,48 +8,49 @@ use crate::record::gathered::{Gathered, Schedule, Witness};
 use crate::record::observation::{Located, Plan, Window, stops};
 use crate::simulation::Simulation;
 
-/// Keeps how far the runs of a study have come, so that another study of the same experiment resumes there.
+/// Stores the runs of a study, so that another study of the same experiment resumes them.
 ///
-/// The crate touches no files and no clock: a keeper decides where saved runs go and how often, and distinguishes those of another experiment,
-/// law or plan from its own. Threads ask it at once.
+/// The crate touches no files and no clock: a store decides where saved runs go and how often, and distinguishes those of another
+/// experiment, distribution or plan from its own. Several threads call it at once.
 pub trait Keep: std::fmt::Debug + Sync {
-    /// What a run had come to when it was last kept.
+    /// The run as it was last kept, if it was.
     ///
     /// # Errors
-    /// Where something was kept that cannot be taken: it ends the study.
+    /// An error of the store ends the study.
     fn load(&self, run: &str) -> Result<Option<SavedRun>, Box<dyn StdError + Send + Sync>>;
 
-    /// Whether a run is to be kept now, of whose time a fraction is done; asked after every step. At its end it is kept unasked.
+    /// Whether a run is to be kept now, of whose time a fraction is done. It is called after every step; at its end a run is kept
+    /// in any case.
     fn is_due(&self, run: &str, done: f64) -> bool;
 
-    /// Keeps what a run has come to, in place of what was kept of it before.
+    /// Keeps a run in place of what was kept of it before.
     ///
     /// # Errors
-    /// Where it cannot be kept: it ends the study.
+    /// An error of the store ends the study.
     fn keep(&self, run: &str, saved: SavedRun) -> Result<(), Box<dyn StdError + Send + Sync>>;
 }
 
-/// How far a run has come: all that a bitwise identical continuation needs, with the same experiment and parameters. Its
-/// plan may have more windows, where they begin later.
+/// A run under way or at its end: all that a bitwise identical continuation needs, with the same experiment and inputs. The plan
+/// of the continuation may have more windows that begin later.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SavedRun {
     /// Begin and end of each window.
     windows: Vec<[f64; 2]>,
-    /// What each of them has gathered: the parts of its sums, then what the witness has noted.
+    /// By window: the parts of its sums, then the numbers of the witness.
     of_windows: Vec<Vec<f64>>,
-    /// What the witness remembers besides.
+    /// The numbers of the witness that belong to no one window.
     memory: Vec<f64>,
-    /// The steps to each stop that was reached.
+    /// The steps to each stop that the run has reached.
     steps: Vec<Vec<f64>>,
-    /// Those towards the next.
+    /// The steps towards the next stop.
     taken: Vec<f64>,
-    /// Of the simulation.
+    /// The snapshot of the simulation.
     snapshot: Vec<u8>,
 }
 
 impl SavedRun {
-    /// Of a run.
+    /// Saves a run.
     fn of<S: CarriedNumber, T: CarriedNumber, const D: usize>(
         simulation: &Simulation<S, D>,
         gathered: &Gathered<T>,
@@ -74,7 +75,7 @@ impl SavedRun {
         Ok(Self { windows, of_windows, memory, steps, taken, snapshot })
     }
 
-    /// As far as a plan with these windows goes: the steps to its stops, and which of our windows each of its is, if any.
+    /// Cuts the run to a plan with these windows and stops; the number of each window of the plan among its own, if it has it.
     ///
     /// The steps to a stop follow from the stops before it, and from nothing else of a plan.
     fn cut_to(&mut self, windows: &[Window], to: &[f64]) -> Result<Vec<Option<usize>>, Error> {
@@ -165,7 +166,7 @@ fn fits(quantity: &'static str, found: usize, expected: usize) -> Result<(), Err
     if found == expected { Ok(()) } else { Err(foreign(quantity, found, expected)) }
 }
 
-/// A witness of a run that is kept, if anybody keeps it.
+/// A witness that saves the run, if the study has a store.
 pub(super) struct SavingWitness<'a, W> {
     pub(super) keep: Option<&'a dyn Keep>,
     /// The name of the run.

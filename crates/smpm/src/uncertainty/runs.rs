@@ -7,7 +7,7 @@ use crate::record::gathered::{Plain, Reader, Record, Schedule, Witness};
 use crate::record::observation::Plan;
 use crate::simulation::Simulation;
 
-/// A plan, who keeps its runs, and what the reference run has shown.
+/// A plan, the store of its runs, and the record of the reference run.
 #[derive(Debug)]
 pub(super) struct Runs<'a, const D: usize> {
     pub(super) plan: Plan<D>,
@@ -61,7 +61,7 @@ impl<'a, const D: usize> Runs<'a, D> {
         self.follow(run, simulation, &Plain, Shown(look)).map(drop)
     }
 
-    /// What the reference run has shown.
+    /// The responses of the reference run.
     pub(super) fn centre(&self) -> &[f64] {
         &self.reference.values
     }

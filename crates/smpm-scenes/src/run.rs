@@ -3,17 +3,16 @@
 mod answers;
 mod fields;
 mod findings;
-mod grid_level;
 mod ingredients;
 mod kept;
 mod ladder;
-mod multilevel;
-mod multilevel_record;
+mod levels;
 mod record;
 mod response;
 mod samples;
 mod shown;
 mod solve;
+mod solve_error;
 
 use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
 use scene_runs::kind::{Completed, Output, Run, RunError, SceneKind};
@@ -26,7 +25,8 @@ use smpm::Plan;
 use self::fields::Fields;
 use self::record::{Content, Failure, FieldResult, GaugeResult, WorkRecord, by_gauge};
 use self::response::{Response, Shares};
-use self::solve::{Answer, SolveError, Solved};
+use self::solve::{Answer, Solved};
+use self::solve_error::SolveError;
 use crate::experiment::SceneExperiment;
 use crate::method_scene::MethodScene;
 use crate::scene::{RandomScene, SmpmScene};
@@ -74,7 +74,7 @@ fn run_in<const D: usize>(
     let answer = match &scene.method {
         MethodScene::Multilevel(method) => {
             let of_scene = (&experiment, &plan);
-            multilevel::solve(scene, method, of_scene, &mut fields, run)
+            levels::multilevel::solve(scene, method, of_scene, &mut fields, run)
         }
         _ => solve::solve(scene, &experiment, &plan, &mut fields, run),
     };

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use smpm::{Plan, Quantity};
 
-use super::multilevel_record::MultilevelRecord;
+use super::levels::multilevel_record::MultilevelRecord;
 use super::response::Response;
 use crate::random_fields::PreparedField;
 use crate::scene::SmpmScene;

@@ -12,7 +12,7 @@ use smpm::Plan;
 use smpm::uncertainty::{Design, Sampled, Study};
 
 use super::kept::KeptRuns;
-use super::solve::SolveError;
+use super::solve_error::SolveError;
 use crate::experiment::SceneExperiment;
 use crate::scene::SmpmScene;
 

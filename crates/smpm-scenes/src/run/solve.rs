@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use perturbation_moments::Jet;
 use scene_runs::checkpoint::Checkpoint;
 use scene_runs::kind::{EnsemblePart, Inputs, Run, RunError};
-use scene_runs::scene::Objection;
 use smpm::uncertainty::{FrozenForm, Sampled, Series, Study};
 use smpm::{Error, Plan, Simulation};
 
 use super::fields::Fields;
 use super::kept::KeptRuns;
-use super::multilevel_record::MultilevelRecord;
+use super::levels::multilevel_record::MultilevelRecord;
 use super::response::{Response, Table};
 use super::samples::{ASIDE_OF_SAMPLES, Requested, Samples, sampled, shards};
+use super::solve_error::SolveError;
 use crate::experiment::SceneExperiment;
 use crate::method_scene::MethodScene;
 use crate::scene::SmpmScene;
@@ -237,44 +237,4 @@ fn expanded<const D: usize>(
             (table.each(of)?, 2 * n)
         }
     })
-}
-
-/// Error of a scene.
-#[derive(Debug)]
-pub(super) enum SolveError {
-    /// The solver rejected its input or stopped.
-    Solver(Error),
-    /// Error outside the solver.
-    Run(RunError),
-    /// A key of the scene.
-    Scene(Objection),
-}
-
-impl SolveError {
-    /// The error of runs, which object to no key.
-    pub(super) fn of_runs(self) -> RunError {
-        match self {
-            Self::Solver(error) => RunError::solver(error),
-            Self::Run(error) => error,
-            Self::Scene(objection) => RunError::solver(objection),
-        }
-    }
-}
-
-impl From<Error> for SolveError {
-    fn from(error: Error) -> Self {
-        Self::Solver(error)
-    }
-}
-
-impl From<Objection> for SolveError {
-    fn from(objection: Objection) -> Self {
-        Self::Scene(objection)
-    }
-}
-
-impl From<RunError> for SolveError {
-    fn from(error: RunError) -> Self {
-        Self::Run(error)
-    }
 }

@@ -13,14 +13,15 @@ use uq_estimators::{
     Target, TargetResult, Tolerance,
 };
 
-use super::fields::Fields;
 use super::grid_level::{Grids, Level, for_coarser_grids, on_grid};
-use super::kept::KeptRuns;
 use super::multilevel_record::{MultilevelRecord, notes};
-use super::response::{GridChange, Response, Table};
-use super::solve::{Answer, SolveError, Solved};
 use crate::experiment::SceneExperiment;
 use crate::method_scene::{DecisiveScene, MomentsScene, MultilevelScene};
+use crate::run::fields::Fields;
+use crate::run::kept::KeptRuns;
+use crate::run::response::{GridChange, Response, Table};
+use crate::run::solve::{Answer, Solved};
+use crate::run::solve_error::SolveError;
 use crate::scene::SmpmScene;
 
 /// Name of the blocks of samples in a checkpoint.
@@ -37,7 +38,7 @@ const ASIDE: [&str; 5] = [
 const BLOCKS_OF_THREAD: usize = 4;
 
 /// Runs a scene by multilevel Monte Carlo.
-pub(super) fn solve<const D: usize>(
+pub(in crate::run) fn solve<const D: usize>(
     scene: &SmpmScene,
     method: &MultilevelScene,
     (experiment, plan): (&SceneExperiment<D>, &Plan<D>),

@@ -11,32 +11,32 @@ use crate::scene::SmpmScene;
 type Sample<'a> = Box<dyn Fn(u64) -> Result<Vec<f64>, Error> + Sync + 'a>;
 
 /// A grid with its reference run done; all samples take the steps of that run.
-pub(super) struct Level<'a> {
-    pub(super) cell: f64,
-    pub(super) n_particles: usize,
-    pub(super) n_steps: usize,
+pub(in crate::run) struct Level<'a> {
+    pub(in crate::run) cell: f64,
+    pub(in crate::run) n_particles: usize,
+    pub(in crate::run) n_steps: usize,
     /// The responses at the centre of the random inputs.
-    pub(super) centre: Vec<f64>,
+    pub(in crate::run) centre: Vec<f64>,
     run: Sample<'a>,
 }
 
 impl Level<'_> {
     /// Work of a run: particle updates.
-    pub(super) fn work(&self) -> f64 {
+    pub(in crate::run) fn work(&self) -> f64 {
         self.n_particles as f64 * self.n_steps as f64
     }
 
     /// The responses of a sample.
-    pub(super) fn sample(&self, realisation: u64) -> Result<Vec<f64>, Failure> {
+    pub(in crate::run) fn sample(&self, realisation: u64) -> Result<Vec<f64>, Failure> {
         let failed = |error| format!("on the grid of cell {}: {error}", self.cell).into();
         (self.run)(realisation).map_err(failed)
     }
 }
 
 /// Grids of a scene as the levels of an estimate, the coarsest first.
-pub(super) struct Grids<'a> {
-    pub(super) levels: Vec<Level<'a>>,
-    pub(super) n_responses: usize,
+pub(in crate::run) struct Grids<'a> {
+    pub(in crate::run) levels: Vec<Level<'a>>,
+    pub(in crate::run) n_responses: usize,
 }
 
 impl Ladder for Grids<'_> {
@@ -72,7 +72,7 @@ impl Ladder for Grids<'_> {
 }
 
 /// The plan of a scene for coarser grids: what it reads at gauges, they read at the same points.
-pub(super) fn for_coarser_grids<const D: usize>(
+pub(in crate::run) fn for_coarser_grids<const D: usize>(
     experiment: &SceneExperiment<D>,
     plan: &Plan<D>,
 ) -> Result<Plan<D>, Error> {
@@ -82,7 +82,7 @@ pub(super) fn for_coarser_grids<const D: usize>(
 }
 
 /// A scene on its grid; the same numbers give the same random inputs on every grid.
-pub(super) fn on_grid<'a, const D: usize>(
+pub(in crate::run) fn on_grid<'a, const D: usize>(
     scene: &SmpmScene,
     experiment: &'a SceneExperiment<D>,
     plan: &Plan<D>,

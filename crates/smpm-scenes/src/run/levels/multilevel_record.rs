@@ -8,7 +8,7 @@ use super::grid_level::{Grids, Level};
 
 /// Grids of a multilevel estimate and their work.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct MultilevelRecord {
+pub(in crate::run) struct MultilevelRecord {
     /// The coarsest first; the last is that of the scene.
     grids: Vec<GridRecord>,
     /// Work of all samples, those of dropped grids included (particle updates: particles times steps).
@@ -36,7 +36,11 @@ struct GridRecord {
 }
 
 impl MultilevelRecord {
-    pub(super) fn new(grids: &Grids<'_>, targets: &[Target], found: &MultilevelResult) -> Self {
+    pub(in crate::run) fn new(
+        grids: &Grids<'_>,
+        targets: &[Target],
+        found: &MultilevelResult,
+    ) -> Self {
         let is_asked = |target: &Target| target.tolerance != Tolerance::Open;
         let ratio = |level: &LevelReport| {
             let of = |(target, (difference, own)): (&Target, (&f64, &f64))| {
@@ -65,7 +69,7 @@ impl MultilevelRecord {
 }
 
 /// What a reader must know of an estimate.
-pub(super) fn notes(
+pub(in crate::run) fn notes(
     grids: &Grids<'_>,
     targets: &[Target],
     found: &MultilevelResult,

@@ -170,7 +170,7 @@ fn oscillator(context: &Context<'_>, given: &LinearOscillator) -> Result<Vec<Cla
         noise_intensity: std::f64::consts::PI * intensity,
         window: Window::Stationary,
     })?;
-    let config = GuidedConfig { n_paths: 4_000, n_pilots: 500, unguided: 0.05, seed: 3 };
+    let config = GuidedConfig { n_paths: 8_000, n_pilots: 500, unguided: 0.05, seed: 3 };
     let (span, id) = (steps(duration, step), "linear-oscillator");
     let problem = Problem { id, building, span, hold: 1, n_drifts: 1, config };
     let bias = "none but that of Runge-Kutta 4 for the oscillation, (omega dt)^6/144 = 1e-7 a step";
@@ -200,7 +200,7 @@ fn frame(context: &Context<'_>, given: &FilteredFrame) -> Result<Vec<Claim>, Cas
         noise_intensity: 0.5 * given.noise,
         window: Window::RisePlateauDecay { rise_exponent: 1.0, rise_end, decay_rate, decay_start },
     })?;
-    let config = GuidedConfig { n_paths: 2_500, n_pilots: 500, unguided: 0.05, seed: 3 };
+    let config = GuidedConfig { n_paths: 5_000, n_pilots: 500, unguided: 0.05, seed: 3 };
     let (span, id) = (steps(given.duration, given.step), "filtered-frame");
     let problem = Problem { id, building, span, hold: 4, n_drifts: 1, config };
     let bias = "none but that of Runge-Kutta 4 and of the window within a step of 0.005 s";
@@ -222,7 +222,7 @@ fn yielding(context: &Context<'_>, given: &HystereticFrame) -> Result<Vec<Claim>
     };
     let building =
         ShearBuilding::new(parameters.with_rayleigh_damping([1, storeys], [damping_ratio; 2])?)?;
-    let config = GuidedConfig { n_paths: 4_000, n_pilots: 500, unguided: 0.05, seed: 3 };
+    let config = GuidedConfig { n_paths: 8_000, n_pilots: 500, unguided: 0.05, seed: 3 };
     let (span, id) = (steps(given.duration, 0.01), "hysteretic-frame");
     let problem = Problem { id, building, span, hold: 2, n_drifts: storeys, config };
     let bias = "the source cuts its series off at 25 pi rad/s, above all six modes; white noise has the rest too";

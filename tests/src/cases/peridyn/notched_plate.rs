@@ -385,9 +385,9 @@ fn cold(context: &Context<'_>) -> Result<Claim, CaseError> {
     let cause = Cause::WhiteNoise { ratio: 1e3 * RATIO, scheme: Scheme::EulerMaruyama, z: 0.9 };
     let plate =
         NotchedPlate { rows: 32, horizon: three_shells(32), cause, rotation: 0.0, tip: NOTCH };
-    let heights = plate.cracks(Precision::Single, 32, SEED)?.heights(ABSCISSA);
+    let heights = plate.cracks(Precision::Single, 64, SEED)?.heights(ABSCISSA);
     let deviation = 32.0 * bootstrap().deviation(&heights)?.value;
-    let method = "white noise, s0/sigma = 10,000, 32 rows, otherwise as above, 32 realisations";
+    let method = "white noise, s0/sigma = 10,000, 32 rows, otherwise as above, 64 realisations";
     let lines = Lines { context, id: "white-noise/cold", method: method.into() };
     Ok(lines.bounded(
         ("deviation", "standard deviation of the height of a crack, over dx", ""),

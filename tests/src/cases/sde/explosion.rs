@@ -4,7 +4,7 @@ use reference_problems::sde::problems::Cubic;
 use reference_problems::sde::reference::Explosion as Survey;
 use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
-    EnsembleConfig, EulerMaruyama, Increment, Integrator, Noise, Observable, Shark, SimdLevel,
+    EnsembleConfig, EulerMaruyama, Increment, Integrator, Noise, Observable, SimdLevel,
     StochasticTheta, Study,
 };
 
@@ -89,7 +89,7 @@ fn edge_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-/// At the step where every path of Euler-Maruyama explodes, backward Euler loses none; ShARK loses all too.
+/// At the step where every path of Euler-Maruyama explodes, backward Euler loses none.
 fn survivors_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
     let (system, dt) = (Cubic { intensity: 8.0 }, 0.1);
     let noise = Noise::new(44);
@@ -100,14 +100,14 @@ fn survivors_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
         for _ in 0..200 {
             let dw = path.next_increment(dt);
             StochasticTheta::BACKWARD_EULER.step(&system, 0.0, dt, &dw, &mut implicit, &mut ())?;
-            Shark.step(&system, 0.0, dt, &dw, &mut explicit, &mut ())?;
+            EulerMaruyama.step(&system, 0.0, dt, &dw, &mut explicit, &mut ())?;
         }
         lost_by_implicit += u32::from(!implicit[0].is_finite());
         kept_by_explicit += u32::from(explicit[0].is_finite());
     }
     let subject = context.subject(
         "survivors",
-        "paths lost by backward Euler, plus those that ShARK keeps",
+        "paths lost by backward Euler, plus those that Euler-Maruyama keeps",
         "",
         "sigma 8, h 0.1, 200 paths",
     );

@@ -273,7 +273,7 @@ impl Visitor for Sample {
         _closed: Option<Expansion<N>>,
     ) -> Judgement {
         let way = ForwardDifferentiation { response, order: HighestOrder::Second };
-        let moments = Moments::new(inputs, &way.expansion(&inputs.mean())).unwrap();
+        let moments = Moments::new(inputs, &way.expansion(inputs.mean())).unwrap();
         JUDGE.judge(inputs, &moments, |x| response.value(x)).unwrap()
     }
 }

@@ -57,7 +57,7 @@ struct Verify {
     /// Write a second copy of the report here
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Where report.json and report.md go [default: target/verify]
+    /// Where report.json and index.html go [default: target/verify]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }

@@ -1,6 +1,7 @@
 //! The proof: runs the cases, prints their verdicts, writes the report.
 
 mod numbers;
+mod page;
 mod progress;
 mod recorded;
 mod run;
@@ -16,6 +17,7 @@ use result_figures::finite::{self, JsonError};
 use result_figures::number;
 
 pub use self::numbers::render_numbers;
+pub use self::page::render_html;
 pub use self::recorded::render_page;
 pub use self::run::run_cases;
 pub use self::select::{TableError, check_table, select};
@@ -30,7 +32,7 @@ pub struct Options {
     pub filters: Vec<String>,
     /// How much is run.
     pub profile: Profile,
-    /// Where `report.json` and `report.md` go.
+    /// Where `report.json` and `index.html` go.
     pub out: PathBuf,
     /// A second copy of the report.
     pub json: Option<PathBuf>,
@@ -102,6 +104,9 @@ pub enum VerifyError {
         /// Id, error, tolerance and reason of each.
         claims: Vec<String>,
     },
+    /// The page could not be made.
+    #[error("the page of the report cannot be made")]
+    Page(#[from] minijinja::Error),
     /// The record cannot be read.
     #[error("cannot read {}", .path.display())]
     Read {
@@ -135,19 +140,19 @@ pub fn verify(
     let style = Style::of_terminal(options.rows);
     let report = run_cases(&selected, options.profile, style, output).map_err(to_terminal)?;
     write_file(&options.out.join("report.json"), &finite::to_json(&report)?)?;
-    let page = render_page(&report);
-    write_file(&options.out.join("report.md"), &page)?;
+    write_file(&options.out.join("index.html"), &render_html(&report)?)?;
     if let Some(path) = &options.json {
         write_file(path, &finite::to_json(&report)?)?;
     }
     if options.loose == Loose::Listed {
         write_loose(&report, output).map_err(to_terminal)?;
     }
-    writeln!(output, "report: {}", options.out.join("report.md").display()).map_err(to_terminal)?;
+    writeln!(output, "report: {}", options.out.join("index.html").display())
+        .map_err(to_terminal)?;
     write_summary(&report, output).map_err(to_terminal)?;
     if let Some(path) = &recorded {
         refuse_loose(&report)?;
-        write_file(path, &page)?;
+        write_file(path, &render_page(&report))?;
         write_file(&path.with_extension("json"), &render_numbers(&report))?;
     }
     Ok(report)
@@ -301,7 +306,7 @@ mod tests {
         let written = std::fs::read_to_string(out.join("report.json")).unwrap();
         assert_eq!(serde_json::from_str::<Report>(&written).unwrap(), report);
         assert_eq!(std::fs::read_to_string(json).unwrap(), written);
-        assert!(std::fs::read_to_string(out.join("report.md")).unwrap().contains("4 of accuracy"));
+        assert!(std::fs::read_to_string(out.join("index.html")).unwrap().contains("4 of accuracy"));
         std::fs::remove_dir_all(&out).unwrap();
         // For the eye: `cargo test -p verification rows -- --nocapture`.
         print!("{text}");

@@ -46,11 +46,11 @@ models! {
     Explosive(Solid<Jwl<S>, Fluid>),
     /// A linear elastic solid.
     Elastic(Solid<ElasticBulk<S>, ElasticShear<S>>),
-    /// The same that yields.
+    /// An elastic solid that yields at a constant stress.
     Plastic(Solid<ElasticBulk<S>, VonMises<S>>),
     /// An elastic solid under shocks.
     ShockedElastic(Solid<MieGruneisen<S>, ElasticShear<S>>),
-    /// The same that yields.
+    /// An elastic solid under shocks that yields at a constant stress.
     ShockedPlastic(Solid<MieGruneisen<S>, VonMises<S>>),
     /// A metal, whose flow stress depends on strain, rate and temperature.
     Metal(Solid<MieGruneisen<S>, JohnsonCook<S>>),

@@ -35,7 +35,7 @@ pub enum Error {
     /// Fewer of something than are needed.
     #[error("{value} {name}; at least {limit} are needed")]
     TooFew {
-        /// What is counted.
+        /// Name of the counted things.
         name: &'static str,
         /// How many.
         value: usize,

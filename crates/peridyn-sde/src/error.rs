@@ -88,7 +88,7 @@ pub enum Error {
     /// Fewer of something than are needed.
     #[error("{value} {name}; at least {limit} are needed")]
     TooFew {
-        /// What is counted.
+        /// Name of the counted things.
         name: &'static str,
         /// How many.
         value: usize,
@@ -98,7 +98,7 @@ pub enum Error {
     /// More of something than are possible.
     #[error("{value} {name}; at most {limit} are possible")]
     TooMany {
-        /// What is counted.
+        /// Name of the counted things.
         name: &'static str,
         /// How many.
         value: usize,

@@ -39,7 +39,7 @@ impl<const D: usize> Case<D> {
     }
 }
 
-/// What is evaluated.
+/// A potential, a strain measure and displacements.
 #[derive(Debug, Clone, Copy)]
 struct Setup {
     is_solid: bool,
@@ -86,7 +86,7 @@ fn list<T: Real, const D: usize, const L: usize>(
     if setup.own { body.with_strengths(&lanes).unwrap() } else { body }
 }
 
-/// With the strengths of lane 0.
+/// The lattice body with the strengths of lane 0.
 fn lattice<T: Real, const D: usize>(
     Case { nodes, bonds, solid }: &Case<D>,
     setup: Setup,

@@ -14,7 +14,7 @@ use crate::clock::CpuClock;
 
 /// An ensemble of items that do not depend on each other, such as blocks of paths.
 pub struct Ensemble<'a, T> {
-    /// What its items are; also their name in a checkpoint.
+    /// Name of its items in progress messages and in a checkpoint.
     pub what: &'static str,
     /// Number of items that one process computes, or shards in several.
     pub n: u64,
@@ -40,7 +40,7 @@ pub struct Items<T> {
 /// What a process has of an ensemble.
 #[derive(Debug)]
 pub enum Computed<T> {
-    /// All of it.
+    /// The whole ensemble.
     Here(T),
     /// Nothing: a shard is in its file, and a rank may have no result.
     Elsewhere(Vec<PathBuf>),

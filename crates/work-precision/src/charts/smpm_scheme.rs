@@ -1,14 +1,14 @@
 //! Choice of the default scheme: FLIP and APIC with every shape function.
 //!
-//! A page with the errors behind a plane shock, the energy of an explosion, and the CPU time of each.
+//! Measured on a plane shock and on the energy of an explosion: a page with all cells, and two charts against CPU time.
 
-use result_figures::{Drawing, markdown};
+use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision, markdown};
 use scenes::causes::with_causes;
 use scenes::machine::Machine;
 use scenes::smpm::scene::{SchemeScene, ShapeScene, TransferScene};
 use serde::Serialize;
 
-use super::cost::{LONG, timed};
+use super::cost::{LONG, cost_in_seconds, outcome, table, timed};
 use crate::draw::ChartKind;
 use crate::problems::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
 use crate::problems::work::Work;
@@ -26,6 +26,8 @@ const SHOCK_CELLS: [f64; 4] = [0.2, 0.1, 0.05, 0.025];
 const EXPLOSION_CELLS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Coefficients of the linear viscosity: the current one, and two larger ones.
 const VISCOSITIES: [f64; 3] = [0.06, 0.3, 1.0];
+/// The coefficient of the charts; the page has all.
+const PICTURED: f64 = 0.3;
 /// End time of the energy (us).
 const TIME: f64 = 40.0;
 const MOST_STEPS: u64 = 100_000;
@@ -100,7 +102,21 @@ fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
                 }
             }
         }
-        Ok(vec![page(&shocks, &explosions)?])
+        let ripple = Picture {
+            name: "smpm-scheme-ripple-030",
+            title: "Post-shock oscillation: which scheme",
+            subtitle: "plane shock of 0.47 Mbar in steel, linear viscosity 0.3, 2 particles a cell",
+            y_label: "deviation of p over particles, over p",
+            reading: |row| Some(row.shock?.ripple),
+        };
+        let energy = Picture {
+            name: "smpm-scheme-energy-030",
+            title: "Energy of an explosion: which scheme",
+            subtitle: "TNT in water on a steel plate, 40 us, linear viscosity 0.3, 2 x 2 particles a cell",
+            y_label: "change of the energy, over that of the start",
+            reading: |row| row.energy,
+        };
+        Ok(vec![ripple.draw(&shocks)?, energy.draw(&explosions)?, page(&shocks, &explosions)?])
     })
 }
 
@@ -153,6 +169,50 @@ fn explosion(candidate: Candidate, linear: f64, cell: f64) -> Result<Measured, C
     })?;
     row.energy = energy;
     Ok(row)
+}
+
+/// A chart of one error of all candidates over CPU time.
+struct Picture {
+    name: &'static str,
+    title: &'static str,
+    subtitle: &'static str,
+    y_label: &'static str,
+    reading: fn(&Measured) -> Option<f64>,
+}
+
+impl Picture {
+    /// From the rows at the pictured viscosity.
+    fn draw(&self, rows: &[Measured]) -> Result<Drawing, CaseError> {
+        let run = |row: &Measured| Run {
+            cost: row.cpu_seconds,
+            cost_error: (row.cpu_scatter > 0.0).then_some(row.cpu_scatter),
+            outcome: (self.reading)(row).map_or_else(
+                || RunOutcome::Failed { reason: row.failure.clone().unwrap_or_default() },
+                |value| outcome(value.abs()),
+            ),
+            label: Some(format!("{}", 10.0 * row.cell)),
+        };
+        let of = |candidate: Candidate| {
+            let name = candidate.name();
+            let is_of = |row: &&Measured| {
+                row.scheme == name && row.linear_viscosity.total_cmp(&PICTURED).is_eq()
+            };
+            let runs = rows.iter().filter(is_of).map(run).collect();
+            Method { name, runs }
+        };
+        let series: Vec<Method> = Candidate::all().into_iter().map(of).collect();
+        let words = Words {
+            title: self.title.into(),
+            subtitle: self.subtitle.into(),
+            x_label: "CPU time of one run on one thread (s)".into(),
+            y_label: self.y_label.into(),
+            caption: vec!["Labels: cell (mm).".into(), Machine::read().caption()],
+        };
+        let rows = table(&series);
+        let reading = cost_in_seconds(Measure::Relative, 0.0);
+        let chart = WorkPrecision { words, reading, series };
+        Ok(Drawing::work_precision(self.name, &chart)?.with_rows(&rows))
+    }
 }
 
 /// All results, a table for each problem.

@@ -88,7 +88,7 @@ impl<const D: usize> Cells<D> {
         *self.sample.select_nth_unstable_by(middle, f64::total_cmp).1
     }
 
-    /// Places a grid of cells about `edge` wide and sorts the points into it. O(n) in time and memory.
+    /// Places a grid of cells about `edge` wide and sorts the points into it. It takes O(n) in time and memory.
     pub(crate) fn lay_and_place(&mut self, points: &[[f64; D]], radii: Radii<'_>, edge: f64) {
         self.edge = edge;
         self.lay(points, edge);

@@ -13,9 +13,9 @@ pub enum Criterion {
     Gather,
     /// `r <= h_j`: the radius of `j` decides. It is not symmetric; it is the transpose of [`Gather`](Self::Gather).
     Scatter,
-    /// `r <= max(h_i, h_j)`: the larger radius decides. Symmetric.
+    /// `r <= max(h_i, h_j)`: the larger radius decides. It is symmetric.
     Max,
-    /// `r <= (h_i + h_j) / 2`. Symmetric.
+    /// `r <= (h_i + h_j) / 2`. It is symmetric.
     Mean,
 }
 

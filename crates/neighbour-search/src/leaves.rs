@@ -54,7 +54,7 @@ impl<const D: usize> Leaves<D> {
         Self { sorted, nodes: Vec::new(), items: Vec::new() }
     }
 
-    /// Builds the tree. O(n log n) in time, O(n) in memory.
+    /// Builds the tree. It takes O(n log n) in time, O(n) in memory.
     fn halve(&mut self, points: &[[f64; D]], radii: Radii<'_>) {
         let Self { sorted, nodes, items } = self;
         let nowhere = Item { x: [0.0; D], id: 0 };

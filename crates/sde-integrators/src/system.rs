@@ -159,7 +159,7 @@ pub trait SecondOrder<const N: usize, const M: usize>: Sync {
 }
 
 /// The linear part of a second-order system as a matrix over `(q_1.., v_1..)`, with `D = 2 N`: rows `(0, 1)` and
-/// `(-omega_k^2, -c_k)`. For [`Sde::linear_part`].
+/// `(-omega_k^2, -c_k)`. It serves [`Sde::linear_part`].
 #[must_use]
 pub fn linear_part_of<S, const N: usize, const D: usize, const M: usize>(
     system: &S,

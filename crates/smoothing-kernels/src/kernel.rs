@@ -127,7 +127,7 @@ pub trait Kernel<const D: usize>: Debug + Send + Sync {
 
     /// [`gradient_factor`](Self::gradient_factor) for every squared distance, bitwise identical.
     ///
-    /// The gradient of pair `k` is `factors[k]` times its `x_ij`. Otherwise as [`values`](Self::values).
+    /// The gradient of pair `k` is `factors[k]` times its `x_ij`. For the rest it is as [`values`](Self::values).
     ///
     /// # Errors
     /// [`Error::LengthMismatch`] if the slices differ in length; then nothing is written.

@@ -50,7 +50,7 @@ pub enum Contact {
 ///
 /// $$ q = \rho h (q_0 h (\mathrm{tr} L)^2 - q_1 c \mathrm{tr} L), \quad \mathrm{tr} L < 0, $$
 ///
-/// with the cell `h` and the wave speed `c` (von Neumann & Richtmyer 1950; Landshoff 1955). Zero under expansion.
+/// with the cell `h` and the wave speed `c` (von Neumann & Richtmyer 1950; Landshoff 1955). It is zero under expansion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BulkViscosity {
     /// `q_0 >= 0`, quadratic: spreads strong shocks over a few cells.

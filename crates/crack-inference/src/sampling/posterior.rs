@@ -60,7 +60,8 @@ impl ParameterPosterior {
 /// Draws from the posterior, and what they say.
 ///
 /// A cloud of points goes from the prior to the posterior by powers of the likelihood. From points of it, chains of random-walk
-/// Metropolis start, whose proposals have the covariance of the cloud and do not change. Bitwise identical on any number of threads.
+/// Metropolis start, whose proposals have the covariance of the cloud and do not change. The result is bitwise identical on
+/// any number of threads.
 ///
 /// Sources: Del Moral, Doucet and Jasra 2006, Sequential Monte Carlo samplers; Metropolis et al. 1953; Vehtari et al. 2021,
 /// Rank-normalization, folding, and localization.

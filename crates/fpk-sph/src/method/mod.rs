@@ -26,8 +26,8 @@ pub enum Method {
     /// [`InitialLattice::CANOR_DENOEL_2013`](crate::InitialLattice::CANOR_DENOEL_2013).
     CanorDenoel2013,
     /// A cubic flow-map fit over the lattice of the start, in whitened coordinates, with deformed cells as volumes.
-    /// Runge-Kutta 4 with steps up to a fortieth of the period, within the diffusion limit. Quadratic from five states on
-    /// ([`Self::combination_in`]).
+    /// Runge-Kutta 4 with steps up to a fortieth of the period, within the diffusion limit. From five states on the fit is
+    /// quadratic ([`Self::combination_in`]).
     FlowMapFit,
     /// Any other combination.
     Custom(Combination),

@@ -173,7 +173,7 @@ impl<const D: usize> Absorption<D> {
         }
     }
 
-    /// One part of the exchange: forth over all pairs and back, each exactly (Strang 1968). Bounded for any time.
+    /// One part of the exchange: forth over all pairs and back, each exactly (Strang 1968). It is bounded for any time.
     fn exchange_part(&mut self, masses: &[f64]) {
         let LatticeExchange { pairs, moves, turned_over, .. } = &self.exchange;
         let Scratch { pair_parts, move_rates, .. } = &self.scratch;

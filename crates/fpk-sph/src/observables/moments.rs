@@ -9,7 +9,7 @@ use crate::solver::evaluation::Evaluation;
 
 impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// `E[x_1^a_1 .. x_D^a_D] = sum_i mu_i prod_k x_ik^a_k` (Canor & Denoël 2013, eq 22, where `psi_i dV_i` is `mu_i` by
-    /// definition). Not divided by the total mass.
+    /// definition). It is not divided by the total mass.
     pub fn raw_moment(&self, powers: [u32; D]) -> f64 {
         let monomial = |x: &[f64; D]| -> f64 {
             x.iter()
@@ -64,7 +64,7 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         density_error(&self.solver, &exact)
     }
 
-    /// `P(y > T) = sum mu_i I(y(x_i) > T)`: the paper's estimator (Canor & Denoël 2013, eq 25). A staircase in `T`.
+    /// `P(y > T) = sum mu_i I(y(x_i) > T)`: the paper's estimator (Canor & Denoël 2013, eq 25). It is a staircase in `T`.
     ///
     /// # Errors
     /// [`Error::NotFinite`] for the threshold.

@@ -6,8 +6,8 @@ use crate::cloud::AxisNeighbours;
 /// `X` are the coordinates on the initial lattice.
 ///
 /// Central differences inside, one-sided differences of second order (of first order where the lattice is too narrow)
-/// at its rim; at a tip, which has no neighbour along some axis, the edge of a neighbour along another. Exact for an
-/// affine flow. `None` where that neighbour has none either.
+/// at its rim; at a tip, which has no neighbour along some axis, the edge of a neighbour along another. It is exact
+/// for an affine flow. `None` where that neighbour has none either.
 pub(crate) fn lattice_jacobian<const D: usize>(
     positions: &[[f64; D]],
     lattice: &[AxisNeighbours<D>],

@@ -24,7 +24,7 @@ use crate::time::Stages;
 use crate::time::smoothing::Smoothing;
 use crate::time::state::State;
 
-/// The method on one cloud of particles. Compiled once for each dimension, whatever the system.
+/// The method on one cloud of particles. It is compiled once for each dimension, whatever the system.
 #[derive(Debug)]
 pub(crate) struct Solver<const D: usize> {
     pub(crate) discretisation: Discretisation<D>,

@@ -15,7 +15,7 @@ pub enum VolumeCorrection {
     /// `1/2 + (delta - r)/dx` for the bonds within half a spacing of the horizon, none beyond it (Parks et al. 2008, as in
     /// LAMMPS).
     Partial,
-    /// The same for bonds up to half a spacing beyond the horizon too. Of the three the nearest to the elastic body.
+    /// The same for bonds up to half a spacing beyond the horizon too. Of the three it is the nearest to the elastic body.
     Ramp,
 }
 

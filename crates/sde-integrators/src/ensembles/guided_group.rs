@@ -45,7 +45,7 @@ pub(crate) struct Group<'a, P> {
     lambdas: Vec<[f64; LANES]>,
     /// Per guide and lane: `ln r`.
     log_ratios: Vec<[f64; LANES]>,
-    /// Per level and lane: 1 while the guides of the level act, 0 after its passage. One row without a level.
+    /// Per level and lane: 1 while the guides of the level act, 0 after its passage. Without a level it has one row.
     acting: Vec<[f64; LANES]>,
     /// Per level and lane: number of steps up to its passage.
     passed: Vec<[u64; LANES]>,

@@ -68,7 +68,7 @@ pub trait PairwiseSde: LaneSde {
 /// constant over each step.
 ///
 /// Order (additive noise): strong 1, weak 2, with the bias `(omega h)^2/12` in the variance of a lightly damped oscillator;
-/// 4 without noise. Stable for a lightly damped oscillator with `h omega < 2.8`.
+/// 4 without noise. It is stable for a lightly damped oscillator with `h omega < 2.8`.
 ///
 /// Source: Wong and Zakai 1965, On the convergence of ordinary integrals to stochastic integrals.
 #[derive(Debug)]

@@ -9,8 +9,8 @@ use crate::system::SecondOrder;
 /// $$ v_{n+1} = v_n + h a(t_n, q_n, v_n) + s(t_n) w_n, \qquad q_{n+1} = q_n + h v_{n+1} $$
 ///
 /// Solves `q'' = a(t, q, q') + s(t) W`, with `a` the whole [`acceleration`](SecondOrder::acceleration); state
-/// `(q_1.., v_1..)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. One force evaluation per step, like
-/// [`EulerMaruyama`](crate::EulerMaruyama).
+/// `(q_1.., v_1..)`. Symbols: `h` = `dt`, `w` = `dw.brownian`. It takes one force evaluation per
+/// step, like [`EulerMaruyama`](crate::EulerMaruyama).
 ///
 /// Order (additive noise): strong 1, weak 1; the error of the stationary `E[q^2]` of an oscillator is only `O(h^2)`.
 /// For a damping ratio of 0.05 the relative error is +0.20, +0.043, +0.010, +2.5e-3, +6.3e-4 at `h omega` = 0.8, 0.4,

@@ -14,7 +14,7 @@ use crate::system::Sde;
 /// Euler-Maruyama, 1/2 the trapezoidal rule, 1 backward Euler.
 ///
 /// Order: strong 1/2 for general noise, 1 for additive noise; weak 1, but 2 for the trapezoidal rule with constant
-/// additive noise. Without noise 1, for the trapezoidal rule 2.
+/// additive noise. Without noise it is 1, for the trapezoidal rule 2.
 ///
 /// Stable for: in the mean square of `dX = l X dt + m X dB` where
 /// `(1 + (1 - theta) l h)^2 + m^2 h < (1 - theta l h)^2`; for `theta >= 1/2` this holds whenever the equation itself

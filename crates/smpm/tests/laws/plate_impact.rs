@@ -77,7 +77,7 @@ fn the_carried_derivative_is_that_of_the_hugoniot() {
         });
         let error = seen.pressure.first[0] / (steel.density * speed * speed) - 1.0;
         // The phase of the oscillation moves with the parameter: what is left of it in the mean over two centimetres at one time.
-        // Seen within 4.6 %.
+        // It was measured within 4.6 %.
         assert!(error.abs() < 0.06, "at {speed}: {error}");
         assert!((seen.pressure.value / hugoniot(speed) - 1.0).abs() < 5e-3, "at {speed}");
     }

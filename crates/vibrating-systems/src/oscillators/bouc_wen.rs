@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn the_flow_of_the_loop_is_the_exponential_on_its_loading_branch() {
-        // n = 1, v z > 0: dz/dq = A - (beta + gamma) z, so that z(q) = 1 - exp(-q) here. Error of the step q^5/120.
+        // n = 1, v z > 0: dz/dq = A - (beta + gamma) z, so that z(q) = 1 - exp(-q) here. The error of the step is q^5/120.
         let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013).unwrap();
         let z = flow_of_loop(&system, 2.0, 0.0, 0.05);
         assert!((z - (1.0 - (-0.1_f64).exp())).abs() < 1e-7, "{z}");

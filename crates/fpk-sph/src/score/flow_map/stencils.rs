@@ -204,8 +204,8 @@ impl<const D: usize> Stencils<D> {
         self.rank[i] > 0
     }
 
-    /// The score at the rim: that of a Gaussian, `-y`, and the mean of what members further inside have beyond it. From the
-    /// inside outward.
+    /// The score at the rim: that of a Gaussian, `-y`, and the mean of what members further inside have beyond it. It goes
+    /// from the inside outward.
     pub(crate) fn score_at_rim(&self, y: &[[f64; D]], score: &mut [[f64; D]]) {
         for Rim { i, links } in &self.rim {
             let mut mean = [0.0; D];

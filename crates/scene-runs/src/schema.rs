@@ -1,7 +1,7 @@
-//! Documentation of scenes: a JSON schema for each solver, and the page of all keys.
+//! Documentation of scenes: a JSON schema and a page of all keys for each solver.
 //!
 //! Both are generated from the scene types: their doc comments are the descriptions, and those of numbers state the
-//! unit in parentheses. Examples on the page come from built-in scenes, or else from the type,
+//! unit in parentheses. Examples on a page come from built-in scenes, or else from the type,
 //! `#[schemars(example = ...)]`.
 
 mod error;
@@ -24,7 +24,7 @@ use serde_json::{Value, json};
 pub use self::error::SchemaError;
 use self::example::{BuiltIn, Examples};
 pub use self::given::scene_keys;
-use self::page::{Described, schema_path};
+use self::page::{Described, page_path, schema_path};
 use self::rows::rows;
 use self::tree::Tree;
 use crate::kind::{KIND_KEY, SceneKind};
@@ -39,7 +39,7 @@ pub struct Document {
     pub text: String,
 }
 
-/// Generates the schema of every solver and the page of all keys, with examples from the scenes in a folder.
+/// Generates the schema and the page of keys of every solver, and the page that lists them, with examples from the scenes in a folder.
 ///
 /// # Errors
 /// [`SchemaError`] for a number without unit, a key without example, or a scene that violates its schema.
@@ -52,7 +52,9 @@ pub fn documents(table: &[SceneKind], scenes: &Path) -> Result<Vec<Document>, Sc
         documents.push(Document { path: schema_path(kind.solver), text });
         described.push(describe(kind.solver, &schema, &scenes)?);
     }
-    documents.push(Document { path: "scenes.md".into(), text: page::page(&described) });
+    let page = |of: &Described| Document { path: page_path(of.solver), text: page::page(of) };
+    documents.extend(described.iter().map(page));
+    documents.push(Document { path: "scenes.md".into(), text: page::overview(&described) });
     Ok(documents)
 }
 

@@ -26,7 +26,7 @@ const MOST_CLIPPED: usize = 35;
 const GENERATED: [&str; 6] = [
     "docs/verification.md",
     "docs/benchmarks.md",
-    "docs/scenes.md",
+    "docs/scenes/",
     "docs/charts/",
     "docs/mutants.md",
     "CHANGELOG.md",

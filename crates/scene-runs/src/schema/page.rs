@@ -1,4 +1,4 @@
-//! The page of all keys of all scenes, as Markdown.
+//! The pages of all keys of all scenes, as Markdown: one a solver, and one that lists them.
 
 use std::path::{Path, PathBuf};
 
@@ -14,18 +14,18 @@ const HEAD: &str = "\
 # Scenes
 
 A scene is one JSON file: which solver, what is modelled, what is random, what is asked, by which method. Every key that a
-scene may have is on this page. To start, copy a built-in scene, change a number and run it:
+scene may have is on the page of its solver. To start, copy a built-in scene, change a number and run it:
 
 ```sh
 cp tests/scenes/fpk/duffing.json my.json
 cargo xtask run my.json --out target/run/my
 ```
 
-A key that is not on this page, or a value of another type, is rejected with its line and column and the nearest known key.
+A key that is not on the page, or a value of another type, is rejected with its line and column and the nearest known key.
 ";
 
 const HOW_TO_READ: &str = "\
-## How to read the tables
+## How to read the tables of a page
 
 - **key**: path from the object of the table: `single_peak.peak` is the key `peak` inside `single_peak`.
 - **type**: type of the value. A link leads to the keys or the choices of an object.
@@ -37,7 +37,7 @@ const HOW_TO_READ: &str = "\
   absence. A choice has no default.
 - **example**: value in the first built-in scene, by name, that has the key; without a link, from no scene.
 
-`cargo xtask schema --record` generates the page from the scene types and the built-in scenes, and also the schemas for
+`cargo xtask schema --record` generates the pages from the scene types and the built-in scenes, and also the schemas for
 completion and checks in an editor. In Visual Studio Code: `\"json.schemas\": [{ \"fileMatch\": [\"my.json\"],
 \"url\": \"./docs/schema/fpk-sph.schema.json\" }]`.
 ";
@@ -60,25 +60,28 @@ pub(super) fn schema_path(solver: &str) -> PathBuf {
     Path::new("schema").join(format!("{solver}.schema.json"))
 }
 
-pub(super) fn page(described: &[Described]) -> String {
-    let overview = described.iter().map(|of| {
+/// Path of the page of a solver's keys.
+pub(super) fn page_path(solver: &str) -> PathBuf {
+    Path::new("scenes").join(format!("{solver}.md"))
+}
+
+/// The page that lists the pages of all solvers.
+pub(super) fn overview(described: &[Described]) -> String {
+    let line = |of: &Described| {
         vec![
-            format!("[{0}](#{0})", of.solver),
+            format!("[{}]({})", of.solver, page_path(of.solver).display()),
             of.tree.root().about.clone(),
             format!("[{0}]({0})", schema_path(of.solver).display()),
             of.scenes.len().to_string(),
         ]
-    });
-    let overview: Vec<Vec<String>> = overview.collect();
+    };
+    let lines: Vec<Vec<String>> = described.iter().map(line).collect();
     let heads = ["solver", "what a scene of it is", "schema", "built-in scenes"].map(str::to_owned);
-    let solvers: String = described.iter().map(solver).collect();
-    let scenes = described.iter().flat_map(|of| &of.scenes);
-    let target = |scene: &BuiltIn| format!("[{0}]: ../tests/scenes/{0}.json\n", scene.name);
-    let targets = scenes.map(target).collect::<Vec<_>>().concat();
-    format!("{HEAD}\n{}\n{HOW_TO_READ}{solvers}\n{targets}", table(&heads, &overview))
+    format!("{HEAD}\n{}\n{HOW_TO_READ}", table(&heads, &lines))
 }
 
-fn solver(of: &Described) -> String {
+/// The page of a solver's keys.
+pub(super) fn page(of: &Described) -> String {
     let root = of.tree.root();
     let scene = |scene: &BuiltIn| {
         vec![format!("[{}]", scene.name), cell(scene.value["title"].as_str().unwrap_or_default())]
@@ -92,16 +95,19 @@ fn solver(of: &Described) -> String {
         let places: Vec<&str> = places.map(|(_, place)| place.as_str()).collect();
         let top = places.first().and_then(|place| place.split(['.', '[']).next());
         let head = match top.filter(|_| top != last) {
-            Some(top) => format!("\n### `{top}` of {}\n", of.solver),
+            Some(top) => format!("\n## `{top}`\n"),
             None => String::new(),
         };
         last = top;
         head + &section(of, named, &places)
     };
     let sections: String = of.tree.types[1..].iter().map(section).collect();
+    let target = |scene: &BuiltIn| format!("[{0}]: ../../tests/scenes/{0}.json\n", scene.name);
+    let targets: String = of.scenes.iter().map(target).collect();
     let (solver, about, keys) = (of.solver, &root.about, keys(of, root));
     format!(
-        "\n## {solver}\n\n{about}\n\n{scenes}\n### Keys of a scene of {solver}\n\n{keys}{sections}"
+        "# Scenes of {solver}\n\n{about} [How to read the tables](../scenes.md#how-to-read-the-tables-of-a-page).\n\n\
+         {scenes}\n## Keys of a scene\n\n{keys}{sections}\n{targets}"
     )
 }
 
@@ -115,7 +121,7 @@ fn section(of: &Described, named: &Named, places: &[&str]) -> String {
     };
     let words = words_of(&named.name);
     format!(
-        "\n<a id=\"{}\"></a>\n\n#### {words}\n\n{} At {}{more}.\n\n{}",
+        "\n<a id=\"{}\"></a>\n\n### {words}\n\n{} At {}{more}.\n\n{}",
         anchor(of.solver, &named.name),
         named.about,
         shown.join(", "),

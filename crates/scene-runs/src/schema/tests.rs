@@ -81,7 +81,7 @@ fn a_page_has_a_line_for_each_key_with_unit_default_and_the_first_example() {
     let documents = documents(&[DECAY], &scenes.0).unwrap();
     let paths: Vec<String> =
         documents.iter().map(|document| document.path.display().to_string()).collect();
-    assert_eq!(paths, ["schema/decay.schema.json", "scenes.md"]);
+    assert_eq!(paths, ["schema/decay.schema.json", "scenes/decay.md", "scenes.md"]);
     let page = &documents[1].text;
     for line in [
         "| `rate` | number | 1/s | *required* | How fast. | `0.5` in [decay/0] |",
@@ -89,7 +89,7 @@ fn a_page_has_a_line_for_each_key_with_unit_default_and_the_first_example() {
         "| `one` | word |  |  | At one. | `\"one\"` in [decay/0] |",
         "| `at.place` | list of 2 numbers | m | *required* | The place. | `[1, 2]` in [decay/1] |",
         "<a id=\"decay-start\"></a>",
-        "[decay/1]: ../tests/scenes/decay/1.json",
+        "[decay/1]: ../../tests/scenes/decay/1.json",
     ] {
         assert!(page.lines().any(|of_page| of_page == line), "{line}\n{page}");
     }

@@ -152,32 +152,38 @@ fn slice_against_calls<const D: usize>(
 ) {
     // Pairs extend a tenth beyond the edge, for any support.
     let h = SMOOTHING_LENGTH / kernel.support();
-    check_slices(kernel, r_squared, h);
-    let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
-    let work = format!("kernels/{D}-D values, {name}");
-    let values = Work::new(work, N_PAIRS, "slice", || {
-        kernel.values(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
-    })
-    .rival("scalar calls", || {
-        let h = black_box(h);
-        for (value, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
-            *value = kernel.value(r_squared.sqrt(), h);
-        }
-    });
-    ratios.measure(values);
+    against_calls(
+        ratios,
+        (format!("kernels/{D}-D values, {name}"), r_squared),
+        |out| kernel.values(r_squared, black_box(h), out).unwrap(),
+        |r| kernel.value(r, h),
+    );
+    against_calls(
+        ratios,
+        (format!("kernels/{D}-D gradient factors, {name}"), r_squared),
+        |out| kernel.gradient_factors(r_squared, black_box(h), out).unwrap(),
+        |r| kernel.gradient_factor(r, h),
+    );
+}
 
-    let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
-    let work = format!("kernels/{D}-D gradient factors, {name}");
-    let factors = Work::new(work, N_PAIRS, "slice", || {
-        kernel.gradient_factors(r_squared, black_box(h), black_box(&mut sliced)).unwrap();
-    })
-    .rival("scalar calls", || {
-        let h = black_box(h);
-        for (factor, r_squared) in black_box(&mut called).iter_mut().zip(r_squared) {
-            *factor = kernel.gradient_factor(r_squared.sqrt(), h);
+/// Checks that a slice call has the values of scalar calls within roundoff, and measures both.
+fn against_calls(
+    ratios: &mut Ratios,
+    (name, r_squared): (String, &[f64]),
+    slice: impl Fn(&mut [f64]),
+    call: impl Fn(f64) -> f64,
+) {
+    let each = |out: &mut [f64]| {
+        for (value, r_squared) in out.iter_mut().zip(r_squared) {
+            *value = call(r_squared.sqrt());
         }
-    });
-    ratios.measure(factors);
+    };
+    let [mut sliced, mut called] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
+    slice(&mut sliced);
+    each(&mut called);
+    assert_close(&sliced, &called);
+    let work = Work::new(name, N_PAIRS, "slice", || slice(black_box(&mut sliced)));
+    ratios.measure(work.rival("scalar calls", || each(black_box(&mut called))));
 }
 
 /// Checks that a rival computes the same values.
@@ -193,17 +199,6 @@ fn check_rival<const D: usize>(pairs: &Pairs<D>) {
     for (ours, rival) in value.iter().zip(&value_by_hand).chain(gradients) {
         assert!((ours - rival).abs() < 100.0 * roundoff, "{ours} against {rival}");
     }
-}
-
-fn check_slices<const D: usize>(kernel: &impl Kernel<D>, r_squared: &[f64], h: f64) {
-    let [mut values, mut factors] = [(); 2].map(|()| vec![0.0; N_PAIRS]);
-    kernel.values(r_squared, h, &mut values).unwrap();
-    kernel.gradient_factors(r_squared, h, &mut factors).unwrap();
-    let values_called = r_squared.iter().map(|r_squared| kernel.value(r_squared.sqrt(), h));
-    let factors_called =
-        r_squared.iter().map(|r_squared| kernel.gradient_factor(r_squared.sqrt(), h));
-    assert_close(&values, &values_called.collect::<Vec<_>>());
-    assert_close(&factors, &factors_called.collect::<Vec<_>>());
 }
 
 /// A difference within roundoff, about a hundred times the machine epsilon.

@@ -52,17 +52,27 @@ fn by_differences(response: &impl Response<5>, x: &[f64; 5]) -> Derivatives {
     out
 }
 
-fn each_state<S: Copy, X, T>(states: &[S], x: &X, f: impl Fn(S, &X) -> T) {
-    dispatch(
-        #[inline(always)]
-        || {
-            let x = black_box(x);
-            for &state in states {
-                let y = f(state, x);
-                black_box(&y);
-            }
-        },
-    );
+/// Measures a function of each state, compiled for the widest registers.
+fn each_state<S: Copy, X, T>(
+    group: &mut BenchmarkGroup<'_, impl Measurement>,
+    name: &str,
+    (states, x): (&[S], &X),
+    f: impl Fn(S, &X) -> T,
+) {
+    group.bench_function(name, |b| {
+        b.iter(|| {
+            dispatch(
+                #[inline(always)]
+                || {
+                    let x = black_box(x);
+                    for &state in states {
+                        let y = f(state, x);
+                        black_box(&y);
+                    }
+                },
+            );
+        });
+    });
 }
 
 /// All contenders for one response; `closed` is its closed form.
@@ -81,56 +91,41 @@ fn compare<S: Copy, R: Response<5>>(
         check_rivals(&at.value(&jets), x, &rivals);
     }
     group.throughput(Throughput::Elements(states.len() as u64));
-    group.bench_function("plain value", |b| {
-        b.iter(|| {
-            each_state(
-                states,
-                x,
-                #[inline(always)]
-                |s, x: &[f64; 5]| response(s).value(x),
-            );
-        });
-    });
-    group.bench_function("closed form", |b| {
-        b.iter(|| {
-            each_state(
-                states,
-                x,
-                #[inline(always)]
-                |s, x| closed(&response(s), x),
-            );
-        });
-    });
-    group.bench_function("jet", |b| {
-        b.iter(|| {
-            each_state(
-                states,
-                &jets,
-                #[inline(always)]
-                |s, x: &[Jet; 5]| response(s).value(x),
-            );
-        });
-    });
-    group.bench_function("num-dual, 5 x Dual2_64 (rival)", |b| {
-        b.iter(|| {
-            each_state(
-                states,
-                x,
-                #[inline(always)]
-                |s, x| by_num_dual(&response(s), x),
-            );
-        });
-    });
-    group.bench_function("central differences, 11 points (rival)", |b| {
-        b.iter(|| {
-            each_state(
-                states,
-                x,
-                #[inline(always)]
-                |s, x| by_differences(&response(s), x),
-            );
-        });
-    });
+    each_state(
+        group,
+        "plain value",
+        (states, x),
+        #[inline(always)]
+        |s, x| response(s).value(x),
+    );
+    each_state(
+        group,
+        "closed form",
+        (states, x),
+        #[inline(always)]
+        |s, x| closed(&response(s), x),
+    );
+    each_state(
+        group,
+        "jet",
+        (states, &jets),
+        #[inline(always)]
+        |s, x| response(s).value(x),
+    );
+    each_state(
+        group,
+        "num-dual, 5 x Dual2_64 (rival)",
+        (states, x),
+        #[inline(always)]
+        |s, x| by_num_dual(&response(s), x),
+    );
+    each_state(
+        group,
+        "central differences, 11 points (rival)",
+        (states, x),
+        #[inline(always)]
+        |s, x| by_differences(&response(s), x),
+    );
 }
 
 /// Checks that the rivals compute the same derivatives.
@@ -166,18 +161,15 @@ fn johnson_cook(criterion: &mut Criterion<CpuTime>) {
         |s: [f64; 3]| JohnsonCook::from_logarithms([s[0].ln(), s[1].ln(), s[2].ln()]),
         JohnsonCook::diagonal,
     );
-    group.bench_function("plain value by powf", |b| {
-        b.iter(|| {
-            each_state(
-                &states,
-                &x,
-                #[inline(always)]
-                |[strain, rate, temperature], &[a, b, c, n, m]: &[f64; 5]| {
-                    (a + b * strain.powf(n)) * (1.0 + c * rate.ln()) * (1.0 - temperature.powf(m))
-                },
-            );
-        });
-    });
+    each_state(
+        &mut group,
+        "plain value by powf",
+        (&states, &x),
+        #[inline(always)]
+        |[strain, rate, temperature], &[a, b, c, n, m]| {
+            (a + b * strain.powf(n)) * (1.0 + c * rate.ln()) * (1.0 - temperature.powf(m))
+        },
+    );
     group.finish();
 }
 

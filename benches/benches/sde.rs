@@ -163,13 +163,11 @@ impl<S: Sde<2, 1> + SecondOrder<1, 1>> Oscillator<'_, S> {
             let ours = || {
                 black_box(ensemble(black_box(self.system), integrator, level));
             };
-            let work = Work::new(work, PATH_STEPS, "sde-integrators", ours).rival_to_beat(
-                name,
-                target,
-                || {
-                    black_box(rival());
-                },
-            );
+            let theirs = || {
+                black_box(rival());
+            };
+            let work = Work::new(work, PATH_STEPS, "sde-integrators", ours)
+                .rival_to_beat(name, target, theirs);
             let is_best = level == SimdLevel::best();
             ratios.measure(if is_best { work.in_criterion(criterion) } else { work });
         }

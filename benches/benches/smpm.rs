@@ -91,34 +91,38 @@ fn cube() -> Simulation<f64, 3> {
     Simulation::new(Config::with_cell(2.0 * spacing), vec![body]).unwrap()
 }
 
-/// The quadratic scheme with more particles per cell, and in space.
-fn others(ratios: &mut Ratios) {
-    let many = "quadratic, 16 per cell";
-    if ratios.wants(many) {
-        let (_, shape, transfer) = SCHEMES[0];
-        let mut simulation = square((EDGE, 4), elastic(), 0.1, (shape, transfer));
-        let n = simulation.bodies()[0].n_particles();
-        let _ = simulation.step().unwrap();
-        ratios.measure(
-            Work::new(many, n, "ours", || {
-                let _ = black_box(simulation.step().unwrap());
-            })
-            .rival("memory roof", roof(n * 11 * size_of::<f64>())),
-        );
+/// Steps of a simulation against reading and writing so many numbers of each particle.
+fn against_roof<const D: usize>(
+    ratios: &mut Ratios,
+    name: &str,
+    numbers: usize,
+    start: impl FnOnce() -> Simulation<f64, D>,
+) {
+    if !ratios.wants(name) {
+        return;
     }
-    let in_space = "quadratic in space, 8 per cell";
-    if ratios.wants(in_space) {
-        let mut simulation = cube();
-        let n = simulation.bodies()[0].n_particles();
-        let _ = simulation.step().unwrap();
-        // Position, velocity, volume, stress, pressure, energy: 3 + 3 + 1 + 6 + 2 numbers.
-        ratios.measure(
-            Work::new(in_space, n, "ours", || {
-                let _ = black_box(simulation.step().unwrap());
-            })
-            .rival("memory roof", roof(n * 15 * size_of::<f64>())),
-        );
+    let mut simulation = start();
+    let n = simulation.bodies()[0].n_particles();
+    let _ = simulation.step().unwrap();
+    let step = || {
+        let _ = black_box(simulation.step().unwrap());
+    };
+    let roof = roof(n * numbers * size_of::<f64>());
+    ratios.measure(Work::new(name, n, "ours", step).rival("memory roof", roof));
+}
+
+/// Each scheme; the quadratic one also with more particles per cell, and in space.
+fn schemes(ratios: &mut Ratios) {
+    // Position, velocity, volume, stress in the plane and its normal, pressure, energy: 2 + 2 + 1 + 4 + 2 numbers.
+    for (name, shape, transfer) in SCHEMES {
+        let start = || square((EDGE, 2), elastic(), 0.1, (shape, transfer));
+        against_roof(ratios, name, 11, start);
     }
+    let (_, shape, transfer) = SCHEMES[0];
+    let many = || square((EDGE, 4), elastic(), 0.1, (shape, transfer));
+    against_roof(ratios, "quadratic, 16 per cell", 11, many);
+    // The same in space: 3 + 3 + 1 + 6 + 2 numbers.
+    against_roof(ratios, "quadratic in space, 8 per cell", 15, cube);
 }
 
 /// Ten steps with one and two threads, from the smallest body for which two are asked to gain on.
@@ -139,25 +143,6 @@ fn threads(ratios: &mut Ratios) {
         if ratios.wants(name) {
             ratios.wall(name, ["two threads", "one"], 1.7, by(2, edge), by(1, edge));
         }
-    }
-}
-
-fn schemes(ratios: &mut Ratios) {
-    for (name, shape, transfer) in SCHEMES {
-        if !ratios.wants(name) {
-            continue;
-        }
-        let mut simulation = square((EDGE, 2), elastic(), 0.1, (shape, transfer));
-        let n = simulation.bodies()[0].n_particles();
-        // Position, velocity, volume, stress in the plane and its normal, pressure, energy: 2 + 2 + 1 + 4 + 2 numbers.
-        let bytes = n * 11 * size_of::<f64>();
-        let _ = simulation.step().unwrap();
-        ratios.measure(
-            Work::new(name, n, "ours", || {
-                let _ = black_box(simulation.step().unwrap());
-            })
-            .rival("memory roof", roof(bytes)),
-        );
     }
 }
 
@@ -199,7 +184,6 @@ fn main() {
     pool.install(|| {
         let mut ratios = Ratios::from_args("smpm");
         schemes(&mut ratios);
-        others(&mut ratios);
         overheads(&mut ratios);
         threads(&mut ratios);
         ratios.note("for the memory roof the ratio is the part of it that is reached");

@@ -9,11 +9,11 @@
 //! ratio: [`ratios`] prints it for `kernels`, `neighbour`, `particles`, `smpm` and `plain`. Criterion also measures
 //! work that takes microseconds, and stores it for comparison between runs.
 
-pub mod output;
 pub mod page;
 pub mod ratios;
 pub mod record;
 
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use cpu_time::ProcessTime;
@@ -68,4 +68,11 @@ pub fn criterion() -> Criterion<CpuTime> {
         .measurement_time(Duration::from_secs(1))
         .nresamples(10_000)
         .configure_from_args()
+}
+
+/// The root of the workspace; the current folder if cargo did not start the program.
+#[must_use]
+pub fn workspace() -> PathBuf {
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    package.as_deref().and_then(Path::parent).map(Path::to_owned).unwrap_or_default()
 }

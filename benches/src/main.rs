@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-use benches::output::workspace;
 use benches::page::{PAGE, file_of, render};
 use benches::record::{
     RecordError, Recorded, TABLES, TARGETS, Tables, measured, read, write, write_text,
 };
+use benches::workspace;
 use scene_runs::machine::{self, Machine};
 use sde_integrators::SimdLevel;
 

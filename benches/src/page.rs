@@ -98,7 +98,7 @@ fn duration(nanoseconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::workspace;
+    use crate::workspace;
 
     #[test]
     fn the_page_is_what_its_files_say() {

@@ -4,7 +4,6 @@
 //! all contenders. The result is the median over the rounds, with quartiles as its uncertainty. Nothing is omitted: a
 //! ratio below one is a loss and is printed.
 
-use std::fmt::Display;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
@@ -145,25 +144,38 @@ impl Ratios {
             return;
         }
         let rounds = rounds(&mut contenders);
-        let ours = Quartiles::of(rounds.iter().map(|seconds| seconds[0]));
+        // In the table of one target its name need not precede each work, as it does in criterion's.
+        let work = name.trim_start_matches(self.title).trim_start_matches('/');
         for (k, rival) in contenders.iter().enumerate().skip(1) {
-            let its = Quartiles::of(rounds.iter().map(|seconds| seconds[k]));
-            let ratio = Quartiles::of(rounds.iter().map(|seconds| seconds[k] / seconds[0]));
-            // In the table of one target its name need not precede each work, as it does in criterion's.
-            let work = name.trim_start_matches(self.title).trim_start_matches('/');
-            self.rows.push(vec![
-                work.to_owned(),
-                duration(ours.median),
-                format!("{:.1}", 1e-6 * n_elements as f64 / ours.median),
-                rival.name.to_owned(),
-                duration(its.median),
-                format!("{:.2}", ratio.median),
-                format!("{:.2} to {:.2}", ratio.lower, ratio.upper),
-                or_dash(rival.target),
-                rival.target.map_or("-", |target| ratio.reaches(target)).to_owned(),
-                rounds.len().to_string(),
-            ]);
+            let seconds: Vec<[f64; 2]> = rounds.iter().map(|of| [of[0], of[k]]).collect();
+            self.compare((work, Some(n_elements)), (rival.name, rival.target), &seconds);
         }
+    }
+
+    /// Adds a rival, by the seconds of ours and of the rival in every round.
+    fn compare(
+        &mut self,
+        (work, n_elements): (&str, Option<usize>),
+        (rival, target): (&str, Option<f64>),
+        seconds: &[[f64; 2]],
+    ) {
+        let ours = Quartiles::of(seconds.iter().map(|of| of[0]));
+        let its = Quartiles::of(seconds.iter().map(|of| of[1]));
+        let ratio = Quartiles::of(seconds.iter().map(|of| of[1] / of[0]));
+        let speed = |n: usize| format!("{:.1}", 1e-6 * n as f64 / ours.median);
+        let none = || "-".to_owned();
+        self.rows.push(vec![
+            work.to_owned(),
+            duration(ours.median),
+            n_elements.map_or_else(none, speed),
+            rival.to_owned(),
+            duration(its.median),
+            format!("{:.2}", ratio.median),
+            format!("{:.2} to {:.2}", ratio.lower, ratio.upper),
+            target.map_or_else(none, |target| target.to_string()),
+            target.map_or("-", |target| ratio.reaches(target)).to_owned(),
+            seconds.len().to_string(),
+        ]);
     }
 
     /// Adds counted bytes, ours and a rival's.
@@ -206,21 +218,8 @@ impl Ratios {
         wall(&mut other);
         let rounds: Vec<[f64; 2]> =
             (0..*ROUNDS.start()).map(|_| [wall(&mut run), wall(&mut other)]).collect();
-        let ours = Quartiles::of(rounds.iter().map(|seconds| seconds[0]));
-        let its = Quartiles::of(rounds.iter().map(|seconds| seconds[1]));
-        let ratio = Quartiles::of(rounds.iter().map(|seconds| seconds[1] / seconds[0]));
-        self.rows.push(vec![
-            format!("{work}, {name}"),
-            duration(ours.median),
-            "-".to_owned(),
-            other_name.to_owned(),
-            duration(its.median),
-            format!("{:.2}", ratio.median),
-            format!("{:.2} to {:.2}", ratio.lower, ratio.upper),
-            target.to_string(),
-            ratio.reaches(target).to_owned(),
-            rounds.len().to_string(),
-        ]);
+        let work = format!("{work}, {name}");
+        self.compare((&work, None), (other_name, Some(target)), &rounds);
     }
 
     /// Adds a line below the table.
@@ -348,12 +347,8 @@ fn duration(seconds: f64) -> String {
     }
 }
 
-fn or_dash(value: Option<impl Display>) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| value.to_string())
-}
-
 /// Load average over the last minute, if the system reports it.
-pub(crate) fn load_average() -> String {
+fn load_average() -> String {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     text.split(' ').next().filter(|load| !load.is_empty()).unwrap_or("unknown").to_owned()
 }

@@ -61,13 +61,9 @@ impl Drawing {
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn work_precision(name: &str, data: &WorkPrecision) -> Result<Self, DrawingError> {
         let cheapest = choices(data);
-        let table = choices_table(&cheapest, &data.reading);
-        Ok(Self {
-            name: name.into(),
-            face: Face::Picture(work_precision(data)?),
-            data: finite::to_json(&Chosen { chart: data, cheapest })?,
-            table: table.trim_end().to_owned(),
-        })
+        let table = choices_table(&cheapest, &data.reading).trim_end().to_owned();
+        let picture = Face::Picture(work_precision(data)?);
+        Ok(Self { table, ..Self::of(name, picture, &Chosen { chart: data, cheapest })? })
     }
 
     /// Prepends `rows` to the printed table.
@@ -82,12 +78,7 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn time_series(name: &str, data: &TimeSeries) -> Result<Self, DrawingError> {
-        Ok(Self {
-            name: name.into(),
-            face: Face::Picture(time_series(data)?),
-            data: finite::to_json(data)?,
-            table: String::new(),
-        })
+        Self::of(name, Face::Picture(time_series(data)?), data)
     }
 
     /// A picture of a density over a plane.
@@ -95,8 +86,7 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn plane(name: &str, data: &Plane) -> Result<Self, DrawingError> {
-        let face = Face::Picture(plane(data)?);
-        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+        Self::of(name, Face::Picture(plane(data)?), data)
     }
 
     /// A picture of a quantity over a plane.
@@ -104,8 +94,7 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn field(name: &str, data: &Field) -> Result<Self, DrawingError> {
-        let face = Face::Picture(field(data)?);
-        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+        Self::of(name, Face::Picture(field(data)?), data)
     }
 
     /// A picture of a probability over a plane and a path on it.
@@ -113,8 +102,7 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that cannot be drawn.
     pub fn path_map(name: &str, data: &PathMap) -> Result<Self, DrawingError> {
-        let face = Face::Picture(path_map(data)?);
-        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
+        Self::of(name, Face::Picture(path_map(data)?), data)
     }
 
     /// A page of text.
@@ -122,8 +110,12 @@ impl Drawing {
     /// # Errors
     /// [`DrawingError`] for numbers that JSON cannot represent.
     pub fn page<T: Serialize>(name: &str, text: String, data: &T) -> Result<Self, DrawingError> {
-        let data = finite::to_json(data)?;
-        Ok(Self { name: name.into(), face: Face::Page(text), data, table: String::new() })
+        Self::of(name, Face::Page(text), data)
+    }
+
+    /// Without a table.
+    fn of<T: Serialize>(name: &str, face: Face, data: &T) -> Result<Self, DrawingError> {
+        Ok(Self { name: name.into(), face, data: finite::to_json(data)?, table: String::new() })
     }
 
     /// The SVG, if the drawing is a picture.

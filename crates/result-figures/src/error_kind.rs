@@ -32,9 +32,7 @@ impl ErrorKind {
             Self::Order => "order",
         }
     }
-}
 
-impl ErrorKind {
     /// The difference between m and r in this measure; NaN where undefined.
     #[must_use]
     pub fn error(self, m: f64, r: f64) -> f64 {

@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::axis::Axis;
 use super::canvas::{Anchor, Canvas, Drawn, INK, Type, draw_svg};
 use super::legend::{FRAME_TOP, FRAME_X, SHEET, draw_frame, draw_grid, draw_words, frame_bottom};
-use super::plane::draw_row;
+use super::plane::{check_edges, draw_row};
 use crate::colours::{Rgb, of_band};
 use crate::data::{Field, Scale};
 use crate::error::{ChartError, check_finite};
@@ -35,11 +35,7 @@ const PALE: [RGBColor; 3] =
 /// [`ChartError`] for a value that is not finite, or a field without a value.
 pub fn field(chart: &Field) -> Result<String, ChartError> {
     let name = &chart.words.title;
-    for (quantity, values) in [("abscissa", &chart.x), ("ordinate", &chart.y)] {
-        for &value in values {
-            check_finite(name, quantity, value)?;
-        }
-    }
+    check_edges(name, &chart.x, &chart.y)?;
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in chart.values.iter().flatten().filter_map(|&value| value) {
         check_finite(name, "value", value)?;
@@ -133,18 +129,12 @@ fn colour(band: usize) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Region, Words};
+    use crate::Region;
+    use crate::samples::named;
 
     fn ramp() -> Field {
-        let words = Words {
-            title: "ramp".into(),
-            subtitle: String::new(),
-            x_label: "x".into(),
-            y_label: "y".into(),
-            caption: Vec::new(),
-        };
         Field {
-            words,
+            words: named("ramp"),
             unit: "flow stress (MPa)".into(),
             x: vec![0.0, 1.0, 2.0, 3.0],
             y: vec![0.0, 1.0],

@@ -1,6 +1,6 @@
 //! Common parts of every chart: title, frame, grid, tick labels, legend, caption.
 
-use super::axis::{Axis, BarEnd, Tick};
+use super::axis::{Axis, BarEnd};
 use super::canvas::{
     Anchor, Canvas, Drawn, FRAME, GRID, INK, Look, MINOR_GRID, SOFT, Type, text_width,
 };
@@ -41,13 +41,12 @@ pub(super) fn draw_words(canvas: &Canvas<'_>, words: &Words, bottom: f64) -> Dra
 
 /// Draws the grid, minor lines first so that the major ones lie over them.
 pub(super) fn draw_grid(canvas: &Canvas<'_>, x: &Axis, y: &Axis) -> Drawn {
-    let lines = |axis: &Axis| -> Vec<Tick> { axis.ticks() };
     for is_major in [false, true] {
         let (colour, width) = if is_major { (GRID, 1.1) } else { (MINOR_GRID, 0.9) };
-        for tick in lines(x).iter().filter(|tick| tick.label.is_some() == is_major) {
+        for tick in x.ticks().iter().filter(|tick| tick.label.is_some() == is_major) {
             canvas.line(&[(tick.at, y.start()), (tick.at, y.end())], colour, width)?;
         }
-        for tick in lines(y).iter().filter(|tick| tick.label.is_some() == is_major) {
+        for tick in y.ticks().iter().filter(|tick| tick.label.is_some() == is_major) {
             canvas.line(&[(x.start(), tick.at), (x.end(), tick.at)], colour, width)?;
         }
     }

@@ -175,22 +175,16 @@ fn colour(band: usize) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{PathQuantile, Words};
+    use crate::PathQuantile;
+    use crate::samples::named;
 
     fn map() -> PathMap {
-        let words = Words {
-            title: "map".into(),
-            subtitle: String::new(),
-            x_label: "x (mm)".into(),
-            y_label: "y (mm)".into(),
-            caption: Vec::new(),
-        };
         let quantile = |name: &str, height: f64| PathQuantile {
             name: name.into(),
             points: vec![[0.5, height], [2.0, height]],
         };
         PathMap {
-            words,
+            words: named("map"),
             probability: vec!["probability".into(), "of damage".into()],
             x: vec![0.0, 1.0, 2.0],
             y: vec![0.0, 1.0],
@@ -203,7 +197,7 @@ mod tests {
     #[test]
     fn never_and_always_have_the_end_colours_and_the_key_names_the_path() {
         let svg = path_map(&map()).unwrap().to_uppercase();
-        for expected in ["#FFFDF4", "#5A1E06", "OF DAMAGE", "MEDIAN", "95 %", "NOTCH", "X (MM)"] {
+        for expected in ["#FFFDF4", "#5A1E06", "OF DAMAGE", "MEDIAN", "95 %", "NOTCH", "X (M)"] {
             assert!(svg.contains(expected), "{expected} is missing");
         }
     }

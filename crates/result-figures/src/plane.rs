@@ -22,11 +22,7 @@ const KEY_HEIGHT: f64 = 22.0;
 /// [`ChartError`] for a value that is not finite, or a density that is nowhere positive.
 pub fn plane(chart: &Plane) -> Result<String, ChartError> {
     let name = &chart.words.title;
-    for (quantity, values) in [("abscissa", &chart.x), ("ordinate", &chart.y)] {
-        for &value in values {
-            check_finite(name, quantity, value)?;
-        }
-    }
+    check_edges(name, &chart.x, &chart.y)?;
     let mut peak = 0.0_f64;
     for &value in chart.values.iter().flatten() {
         peak = peak.max(check_finite(name, "density", value)?);
@@ -48,6 +44,16 @@ pub fn plane(chart: &Plane) -> Result<String, ChartError> {
         draw_frame(canvas, &x, &y, FRAME_TOP)?;
         draw_key(canvas)
     })
+}
+
+/// Checks the edges of the cells of a plane.
+pub(super) fn check_edges(name: &str, x: &[f64], y: &[f64]) -> Result<(), ChartError> {
+    for (quantity, values) in [("abscissa", x), ("ordinate", y)] {
+        for &value in values {
+            check_finite(name, quantity, value)?;
+        }
+    }
+    Ok(())
 }
 
 /// Draws neighbouring cells of the same band as one rectangle.
@@ -97,21 +103,14 @@ fn colour(band: usize) -> RGBColor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Words;
+    use crate::samples::named;
 
     fn bump() -> Plane {
         let edges: Vec<f64> = (0..=20).map(|k| -2.0 + 0.2 * f64::from(k)).collect();
         let value = |x: f64, y: f64| (-4.0 * (x * x + y * y)).exp();
         let middles: Vec<f64> = edges.windows(2).map(|e| f64::midpoint(e[0], e[1])).collect();
         let values = middles.iter().map(|&y| middles.iter().map(|&x| value(x, y)).collect());
-        let words = Words {
-            title: "bump".into(),
-            subtitle: String::new(),
-            x_label: "q".into(),
-            y_label: "z".into(),
-            caption: Vec::new(),
-        };
-        Plane { words, x: edges.clone(), y: edges.clone(), values: values.collect() }
+        Plane { words: named("bump"), x: edges.clone(), y: edges.clone(), values: values.collect() }
     }
 
     #[test]

@@ -18,6 +18,12 @@ fn words(title: &str, subtitle: &str, y_label: &str, x_label: &str) -> Words {
     }
 }
 
+/// Words of a chart over a plane, without a subtitle or a caption.
+#[cfg(test)]
+pub(crate) fn named(title: &str) -> Words {
+    Words { caption: Vec::new(), ..words(title, "", "y (m)", "x (m)") }
+}
+
 fn method(name: &str, runs: &[(f64, f64, f64, &str)]) -> Method {
     let run = |&(cost, value, bar, label): &(f64, f64, f64, &str)| Run {
         cost,

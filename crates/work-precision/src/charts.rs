@@ -21,7 +21,7 @@ use crate::draw::ChartKind;
 use crate::stability;
 
 /// Charts of the command `chart`.
-pub const ALL: &[ChartKind] = &[
+pub(crate) const ALL: &[ChartKind] = &[
     fpk::CHART,
     kernels::CHART,
     sde::CHART,
@@ -36,13 +36,29 @@ pub const ALL: &[ChartKind] = &[
 ];
 
 /// Pages of `chart --ladder`.
-pub const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
+pub(crate) const MODELS: &[ChartKind] = &[models::FPK, models::SMPM, models::PERIDYN];
 
 /// Sweeps of the command `stability`.
-pub const STABILITY: &[ChartKind] = &[
+pub(crate) const STABILITY: &[ChartKind] = &[
     stability::fpk::MAP,
     stability::smpm::MAP,
     stability::peridyn::z::MAP,
     stability::peridyn::noise::MAP,
     stability::peridyn::horizon::MAP,
 ];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    #[test]
+    fn names_of_charts_and_sweeps_are_unique() {
+        for table in [ALL, MODELS, STABILITY] {
+            let names: BTreeSet<&str> = table.iter().map(|kind| kind.name).collect();
+            assert!(!names.is_empty());
+            assert_eq!(names.len(), table.len());
+        }
+    }
+}

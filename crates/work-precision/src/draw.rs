@@ -14,25 +14,21 @@ use reference_problems::record::Recording;
 
 /// One entry of a table of charts.
 #[derive(Debug, Clone, Copy)]
-pub struct ChartKind {
+pub(crate) struct ChartKind {
     /// Name on the command line.
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// One line for `--list`.
-    pub title: &'static str,
+    pub(crate) title: &'static str,
     /// Runs the methods and returns the drawings.
-    pub draw: fn(&Context<'_>) -> Result<Vec<Drawing>, CaseError>,
+    pub(crate) draw: fn(&Context<'_>) -> Result<Vec<Drawing>, CaseError>,
 }
 
-/// Error of drawing a chart.
+/// Error of drawing a chart or a stability sweep, which `what` names.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[non_exhaustive]
-pub enum ChartsError {
-    /// No chart has this name.
+pub(crate) enum ChartsError {
     #[error("no {what} is called `{name}`")]
     NoMatch {
-        /// Chart or stability sweep.
         what: &'static str,
-        /// Requested name.
         name: String,
         /// Nearest name, or all names.
         #[help]
@@ -40,47 +36,30 @@ pub enum ChartsError {
     },
     /// A run of the chart ended in an error.
     #[error("the {what} `{name}` could not be made")]
-    Failed {
-        /// Chart or stability sweep.
-        what: &'static str,
-        /// Its name.
-        name: &'static str,
-        /// Cause.
-        source: CaseError,
-    },
+    Failed { what: &'static str, name: &'static str, source: CaseError },
     /// A file or standard output could not be written.
     #[error("cannot write the {what}")]
-    Write {
-        /// Chart or stability sweep.
-        what: &'static str,
-        /// Error of the file system.
-        source: std::io::Error,
-    },
-    /// The page of recorded pictures could not be written.
+    Write { what: &'static str, source: std::io::Error },
     #[error("the page of recorded charts cannot be made")]
     Overview(#[from] OverviewError),
 }
 
 /// Charts to draw, and the folder of the files.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Options {
+pub(crate) struct Options {
     /// Chart or stability sweep, for messages.
-    pub what: &'static str,
+    pub(crate) what: &'static str,
     /// Names from the table; a name also selects entries that begin with it and a dash. None draws all.
-    pub names: Vec<String>,
-    /// Amount of work.
-    pub profile: Profile,
+    pub(crate) names: Vec<String>,
+    pub(crate) profile: Profile,
     /// Folder of the files.
-    pub out: PathBuf,
+    pub(crate) out: PathBuf,
     /// Whether they are recorded in the documents too.
-    pub recording: Recording,
+    pub(crate) recording: Recording,
 }
 
 /// Draws the entries selected by `options` and prints the path of each picture.
-///
-/// # Errors
-/// [`ChartsError`] for an unknown name, a failed run, a file that cannot be written.
-pub fn draw(
+pub(crate) fn draw(
     table: &[ChartKind],
     options: &Options,
     output: &mut dyn Write,
@@ -121,10 +100,7 @@ pub fn draw(
 }
 
 /// Prints name and title of every entry.
-///
-/// # Errors
-/// [`ChartsError::Write`].
-pub fn list(
+pub(crate) fn list(
     table: &[ChartKind],
     what: &'static str,
     output: &mut dyn Write,

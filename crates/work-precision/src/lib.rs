@@ -1,8 +1,8 @@
 #![doc = include_str!("../README.md")]
 
-pub mod charts;
+mod charts;
 pub mod cli;
-pub mod draw;
-pub mod overview;
-pub mod problems;
-pub mod stability;
+mod draw;
+mod overview;
+mod problems;
+mod stability;

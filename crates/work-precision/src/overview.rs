@@ -8,7 +8,7 @@ use result_figures::{Choice, Reading, Words, choices_table};
 use serde::Deserialize;
 
 /// Name of the page in the folder of the pictures.
-pub(super) const PAGE: &str = "README.md";
+pub(crate) const PAGE: &str = "README.md";
 
 /// First word of a picture's name, and its solver.
 const SOLVERS: [(&str, &str); 6] = [
@@ -29,11 +29,11 @@ A runner-up whose cost differs by less than the scatter is equally good.\n";
 /// A recorded file cannot be read, or its data have no title.
 #[derive(Debug, thiserror::Error)]
 #[error("{} does not say what its picture shows", .path.display())]
-pub struct OverviewError {
+pub(crate) struct OverviewError {
     /// The file.
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Error of the file system, or position in the JSON.
-    pub source: io::Error,
+    pub(crate) source: io::Error,
 }
 
 /// Title and labels in the data of a picture.
@@ -47,10 +47,7 @@ struct Numbers {
 }
 
 /// The page of the pictures in `folder`.
-///
-/// # Errors
-/// [`OverviewError`] for a file that cannot be read or parsed.
-pub(super) fn overview(folder: &Path) -> Result<String, OverviewError> {
+pub(crate) fn overview(folder: &Path) -> Result<String, OverviewError> {
     let files = files(folder)?;
     let mut solvers: Vec<&str> = Vec::new();
     // In the order of the table, then the others.

@@ -2,8 +2,6 @@
 //!
 //! What the proof solves too is in `reference-problems`. Nothing here knows a chart.
 
-pub mod exceedance_surface;
-pub mod lattice;
-pub mod oscillator_limits;
-pub mod schemes;
-pub mod work;
+pub(crate) mod exceedance_surface;
+pub(crate) mod shock;
+pub(crate) mod work;

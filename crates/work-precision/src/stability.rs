@@ -12,8 +12,8 @@ pub(crate) mod smpm;
 
 use rayon::prelude::*;
 use result_figures::{
-    Drawing, DrawingError, Face, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words,
-    finite, time_series,
+    Drawing, Face, Line, ReferencePoint, ReferencePoints, Scale, TimeSeries, Words, finite,
+    time_series,
 };
 use scenes::causes::with_causes;
 use serde::{Deserialize, Serialize};
@@ -27,40 +27,25 @@ const BOUNDARY_POINTS: u32 = 120;
 /// Relative distance of additional runs inside and outside the boundary, for every abscissa.
 const NEAR: f64 = 0.03;
 
-/// Error of a run where the tested crate returned none.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SweepError {
-    /// The error is NaN although no error was returned: a silent failure.
-    #[error("the run gave a result whose error is not a number")]
-    NotANumber,
-}
-
 /// Outcome of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// Its error is within the tolerance of the map.
-    Accurate {
-        /// The error.
-        error: f64,
-    },
-    /// The result is wrong, without an error.
-    Degraded {
-        /// The error; none if it is unbounded.
-        error: Option<f64>,
-    },
-    /// It ended in a typed error.
-    Ended {
-        /// Error text, including its causes.
-        error: String,
-    },
+    Accurate { error: f64 },
+    /// The result is wrong, without an error; none if it is unbounded.
+    Degraded { error: Option<f64> },
+    /// It ended in a typed error, of which this is the text with its causes.
+    Ended { error: String },
 }
 
 impl Outcome {
     fn judge(result: Result<f64, CaseError>, tolerance: f64) -> Self {
         match result {
-            Ok(error) if error.is_nan() => Self::judge(Err(SweepError::NotANumber.into()), 0.0),
+            // A silent failure.
+            Ok(error) if error.is_nan() => {
+                Self::Ended { error: "the run gave a result whose error is not a number".into() }
+            }
             Ok(error) if error <= tolerance => Self::Accurate { error },
             Ok(error) => Self::Degraded { error: Some(error).filter(|error| error.is_finite()) },
             Err(error) => Self::Ended { error: with_causes(error.as_ref()) },
@@ -69,81 +54,74 @@ impl Outcome {
 }
 
 /// A run, from the two parameters to the magnitude of its error.
-pub type Run<'a> = dyn Fn(f64, f64, &mut Work) -> Result<f64, CaseError> + Sync + 'a;
+pub(crate) type Run<'a> = dyn Fn(f64, f64, &mut Work) -> Result<f64, CaseError> + Sync + 'a;
 
 /// Predicted boundary: stable below it. `None` without a limit.
-pub type Boundary<'a> = dyn Fn(f64) -> Option<f64> + Sync + 'a;
+pub(crate) type Boundary<'a> = dyn Fn(f64) -> Option<f64> + Sync + 'a;
 
-/// One method over two parameters.
-pub struct Panel<'a> {
+/// One method over two parameters, the vertical one on a logarithmic axis.
+pub(crate) struct Panel<'a> {
     /// Name of the files, without extensions.
-    pub name: String,
+    pub(crate) name: String,
     /// Title and labels of the picture. The caption is completed with tolerance and work limit.
-    pub words: Words,
-    /// Scale of the vertical axis.
-    pub scale: Scale,
+    pub(crate) words: Words,
     /// Grid along the horizontal axis.
-    pub across: Vec<f64>,
+    pub(crate) across: Vec<f64>,
     /// Grid along the vertical axis.
-    pub upwards: Vec<f64>,
+    pub(crate) upwards: Vec<f64>,
     /// Predicted boundary, with its name in the legend.
-    pub boundary: Option<(&'a str, &'a Boundary<'a>)>,
-    /// Largest error of an accurate run.
-    pub tolerance: f64,
-    /// Work limit of a run.
-    pub work_limit: u64,
+    pub(crate) boundary: Option<(&'a str, &'a Boundary<'a>)>,
+    /// What an accurate run may take.
+    pub(crate) limits: Limits,
     /// The run.
-    pub run: &'a Run<'a>,
+    pub(crate) run: &'a Run<'a>,
 }
 
-impl std::fmt::Debug for Panel<'_> {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Panel").field("name", &self.name).finish_non_exhaustive()
-    }
+/// What an accurate run may take.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// Its largest error.
+    pub(crate) tolerance: f64,
+    /// Its largest work.
+    pub(crate) work: u64,
 }
 
 /// A run of a map, as recorded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Point {
-    /// Horizontal parameter.
-    pub x: f64,
-    /// Vertical parameter.
-    pub y: f64,
+pub(crate) struct Point {
+    /// Horizontal and vertical parameter.
+    pub(crate) x: f64,
+    pub(crate) y: f64,
     /// Work spent.
-    pub work: u64,
-    /// Outcome.
-    pub outcome: Outcome,
+    pub(crate) work: u64,
+    pub(crate) outcome: Outcome,
 }
 
 /// Data of a map, recorded next to its picture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Map {
-    /// Title and labels.
-    pub words: Words,
+pub(crate) struct Map {
+    pub(crate) words: Words,
     /// Largest error of an accurate run.
-    pub tolerance: f64,
-    /// Work limit of a run.
-    pub work_limit: u64,
+    pub(crate) tolerance: f64,
+    pub(crate) work_limit: u64,
     /// Predicted boundary; no value without a limit within the picture.
-    pub boundary: Vec<(f64, Option<f64>)>,
-    /// The runs.
-    pub points: Vec<Point>,
+    pub(crate) boundary: Vec<(f64, Option<f64>)>,
+    pub(crate) points: Vec<Point>,
     /// Number of runs that contradict the prediction: accurate outside it, or ended inside it.
-    pub against_prediction: usize,
+    pub(crate) against_prediction: usize,
 }
 
 impl Panel<'_> {
     /// Runs every point independently and draws the map.
     ///
-    /// # Errors
-    /// Numbers that cannot be drawn. A failed run is a point of the map.
-    pub fn sweep(&self) -> Result<Drawing, DrawingError> {
+    /// A failed run is a point of the map; an error are only numbers that cannot be drawn.
+    pub(crate) fn sweep(&self) -> Result<Drawing, CaseError> {
         let map = self.map();
         let picture = TimeSeries {
             words: map.words.clone(),
-            scale: self.scale,
+            scale: Scale::Log,
             lines: self
                 .boundary
                 .iter()
@@ -162,8 +140,8 @@ impl Panel<'_> {
             .places()
             .into_par_iter()
             .map(|(x, y)| {
-                let mut work = Work::new(self.work_limit);
-                let outcome = Outcome::judge((self.run)(x, y, &mut work), self.tolerance);
+                let mut work = Work::new(self.limits.work);
+                let outcome = Outcome::judge((self.run)(x, y, &mut work), self.limits.tolerance);
                 Point { x, y, work: work.spent(), outcome }
             })
             .collect();
@@ -176,13 +154,12 @@ impl Panel<'_> {
                 Outcome::Degraded { .. } => false,
             }
         };
+        let Limits { tolerance, work: work_limit } = self.limits;
         let mut words = self.words.clone();
         words.caption.push(format!(
-            "Accurate: error up to {}. Degraded: a result with a larger error, and no warning. Work limit: {} steps a run.",
-            self.tolerance, self.work_limit
+            "Accurate: error up to {tolerance}. Degraded: a result with a larger error, and no warning. Work limit: {work_limit} steps a run."
         ));
         let against_prediction = points.iter().filter(is_against).count();
-        let (tolerance, work_limit) = (self.tolerance, self.work_limit);
         let boundary = self.boundary_line();
         Map { words, tolerance, work_limit, boundary, points, against_prediction }
     }
@@ -277,12 +254,10 @@ mod tests {
         Panel {
             name: "made-up".into(),
             words,
-            scale: Scale::Linear,
             across: vec![1.0, 2.0],
             upwards: vec![0.5, 1.0, 3.0],
             boundary: Some(("y = x", boundary)),
-            tolerance: 0.1,
-            work_limit: 10,
+            limits: Limits { tolerance: 0.1, work: 10 },
             run,
         }
     }

@@ -2,12 +2,13 @@
 //!
 //! These charts and `advise` share one definition: the ladder of the scene's kind.
 
-use result_figures::{Drawing, Measure, Method, Reading, Run, RunOutcome, Words, WorkPrecision};
+use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision};
 use scenes::advise::{Advice, Judgement, Options, from_trials};
 use scenes::answers::Statistic;
 use scenes::ladder::{BuiltIn, Growth, Outcome, Trial};
 use scenes::machine::Machine;
 
+use super::cost::{cost_in_seconds, run};
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 
@@ -127,11 +128,7 @@ fn drawings_of(
         }
         let data = WorkPrecision {
             words: words_of(&advice, &of_group, group.words, &title),
-            reading: Reading::Cost {
-                unit: "s".into(),
-                errors: Measure::Relative,
-                reference_error: 0.0,
-            },
+            reading: cost_in_seconds(Measure::Relative, 0.0),
             series,
         };
         drawings.push(Drawing::work_precision(&format!("{stem}-{}", group.stem), &data)?);
@@ -166,7 +163,8 @@ fn words_of(advice: &Advice, of_group: &[usize], group: &str, title: &str) -> Wo
 fn series(advice: &Advice, scatters: &[Option<f64>], of_group: &[usize]) -> Vec<Method> {
     let method = |m: usize| {
         let trials = advice.trials.iter().zip(scatters).filter(|(trial, _)| trial.method == m);
-        let run = |(trial, scatter): (&Trial, &Option<f64>)| run(advice, of_group, trial, *scatter);
+        let run =
+            |(trial, scatter): (&Trial, &Option<f64>)| run_of(advice, of_group, trial, *scatter);
         let runs: Vec<Run> = trials.filter_map(run).collect();
         let ladder = &advice.ladder.methods[m];
         let unit = match ladder.growth {
@@ -182,7 +180,7 @@ fn series(advice: &Advice, scatters: &[Option<f64>], of_group: &[usize]) -> Vec<
     (0..advice.ladder.methods.len()).filter_map(method).collect()
 }
 
-fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>) -> Option<Run> {
+fn run_of(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>) -> Option<Run> {
     // A failed run has no cost.
     let answers = trial.answers()?;
     let error = |&q: &usize| advice.judgements[q].error_of(trial);
@@ -198,12 +196,7 @@ fn run(advice: &Advice, of_group: &[usize], trial: &Trial, scatter: Option<f64>)
         Growth::Fixed => None,
         Growth::Lattice { .. } | Growth::Samples => Some(short_label(&trial.rung.label)),
     };
-    Some(Run {
-        cost: answers.cpu_seconds,
-        cost_error: scatter.filter(|&scatter| scatter > 0.0),
-        outcome,
-        label,
-    })
+    Some(run((answers.cpu_seconds, scatter.unwrap_or(0.0)), outcome, label))
 }
 
 /// Label without the noun, which is in the legend.

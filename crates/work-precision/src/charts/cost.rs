@@ -42,6 +42,11 @@ pub(super) fn median_and_half_range(mut costs: Vec<f64>) -> (f64, f64) {
     (costs[costs.len() / 2], 0.5 * (costs[costs.len() - 1] - costs[0]))
 }
 
+/// A run with its cost; a cost without scatter has no bar.
+pub(super) fn run((cost, scatter): (f64, f64), outcome: RunOutcome, label: Option<String>) -> Run {
+    Run { cost, cost_error: (scatter > 0.0).then_some(scatter), outcome, label }
+}
+
 /// An error without a standard error. A logarithmic axis cannot show an error of zero.
 pub(super) fn outcome(error: f64) -> RunOutcome {
     if error > 0.0 && error.is_finite() {

@@ -5,11 +5,11 @@ use peridyn_sde::{
     Breaking, Dynamics, Mobility, Precision, Real, Scheme, Simulation, SimulationConfig,
 };
 use rayon::ThreadPoolBuilder;
-use result_figures::{Drawing, Measure, Measured, Method, Run, RunOutcome, Words, WorkPrecision};
+use result_figures::{Drawing, Measure, Measured, Method, RunOutcome, Words, WorkPrecision};
 use scenes::machine::Machine;
 use sde_integrators::Noise;
 
-use super::cost::{LONG, cost_in_seconds, timed};
+use super::cost::{LONG, cost_in_seconds, run, timed};
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::peridyn::first_passage::rate as rate_of_breaking;
@@ -68,15 +68,11 @@ fn series(
     for &z in steps {
         context.progress(&format!("{name}, z = {z}"));
         let Priced { found, seconds, scatter, label } = runs(scheme, z)?;
-        points.push(Run {
-            cost: seconds,
-            cost_error: (scatter > 0.0).then_some(scatter),
-            outcome: RunOutcome::Error {
-                value: (found.value / exact - 1.0).abs(),
-                standard_error: found.standard_error.map(|error| error / exact),
-            },
-            label: Some(label),
-        });
+        let outcome = RunOutcome::Error {
+            value: (found.value / exact - 1.0).abs(),
+            standard_error: found.standard_error.map(|error| error / exact),
+        };
+        points.push(run((seconds, scatter), outcome, Some(label)));
     }
     Ok(Method { name: name.into(), runs: points })
 }

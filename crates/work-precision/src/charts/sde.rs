@@ -14,7 +14,7 @@ use sde_integrators::{
     DiagonalNoise, Increment, Noise, Sra3, Sriw1, StateSpace, StepError, StrangOscillator,
 };
 
-use super::cost::median_and_half_range;
+use super::cost::{median_and_half_range, run};
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::sde::damper::viscous_damper_at_rest;
@@ -345,10 +345,8 @@ fn runs(errors: &Errors, failures: &[Option<String>], times: &[Timing]) -> Vec<R
         .iter()
         .zip(failures)
         .zip(times)
-        .map(|((level, failure), time)| Run {
-            cost: time.cost,
-            cost_error: (time.spread > 0.0).then_some(time.spread),
-            outcome: match failure.as_ref().or(time.failure.as_ref()) {
+        .map(|((level, failure), time)| {
+            let outcome = match failure.as_ref().or(time.failure.as_ref()) {
                 Some(reason) => RunOutcome::Failed { reason: reason.clone() },
                 None if level.error.value.abs() > 0.0 && level.error.value.is_finite() => {
                     RunOutcome::Error {
@@ -357,8 +355,9 @@ fn runs(errors: &Errors, failures: &[Option<String>], times: &[Timing]) -> Vec<R
                     }
                 }
                 None => RunOutcome::Failed { reason: format!("error {}", level.error.value) },
-            },
-            label: ends.contains(&time.n_steps).then(|| time.n_steps.to_string()),
+            };
+            let label = ends.contains(&time.n_steps).then(|| time.n_steps.to_string());
+            run((time.cost, time.spread), outcome, label)
         })
         .collect()
 }

@@ -11,9 +11,9 @@ use scenes::smpm::scene::SmpmScene;
 use smpm::uncertainty::{FrozenForm, Series, Study};
 use uq_estimators::{ControlledSamples, SampledMoments, Surrogate};
 
-use super::cost::{LONG, cost_in_seconds, group_thousands, outcome, table, timed};
+use super::cost::{LONG, cost_in_seconds, group_thousands, outcome, run, table, timed};
 use crate::draw::ChartKind;
-use crate::problems::schemes::Shock;
+use crate::problems::shock;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::quantile::quantile;
 use reference_problems::smpm::problems::{Problem, experiment};
@@ -53,16 +53,15 @@ fn ladder(context: &Context<'_>) -> &'static [usize] {
 }
 
 fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
-    let shock = Shock::USUAL;
-    let mut scene = Problem::PlateImpact.scene()?;
-    let strength = scene.random[0].coefficient_of_variation;
     // Scheme and cell are those of the scene.
-    scene = shock.scene(&scene.scheme, scene.grid.cell)?;
+    let usual = Problem::PlateImpact.scene()?;
+    let mut scene = shock::scene(&usual.scheme, usual.grid.cell)?;
+    let strength = scene.random[0].coefficient_of_variation;
     scene.times.truncate(1);
     context.progress("shock");
     let experiment = experiment::<1>(&scene)?;
     let solved = Solved::of(&experiment, &scene, ladder(context))?;
-    let truth = vec![shock.variance(strength)];
+    let truth = vec![shock::variance(strength)];
     let question = Question { responses: vec![0], truth, truth_error: 0.0 };
     let words = Words {
         title: "Variance of the pressure behind a plane shock in steel, against cost".into(),
@@ -289,12 +288,10 @@ impl Solved {
             if errors.len() > 1 { (square / (count - 1.0) / count).sqrt() } else { own[0] };
         let [mean_run, differences, sample] = self.costs;
         let control = if is_controlled { differences } else { 0.0 };
-        Ok(Run {
-            cost: mean_run + control + sample * n as f64,
-            cost_error: Some(self.sample_spread * n as f64).filter(|&spread| spread > 0.0),
-            outcome: RunOutcome::Error { value, standard_error: Some(standard_error) },
-            label: Some(group_thousands(n as u64)),
-        })
+        let outcome = RunOutcome::Error { value, standard_error: Some(standard_error) };
+        let cost = mean_run + control + sample * n as f64;
+        let label = Some(group_thousands(n as u64));
+        Ok(run((cost, self.sample_spread * n as f64), outcome, label))
     }
 
     fn drawing(
@@ -303,14 +300,10 @@ impl Solved {
         mut words: Words,
         question: &Question,
     ) -> Result<Drawing, CaseError> {
-        let single = |single: &Single| Method {
-            name: single.name.into(),
-            runs: vec![Run {
-                cost: single.cost,
-                cost_error: (single.spread > 0.0).then_some(single.spread),
-                outcome: outcome(question.error(|response| single.variances[response])),
-                label: None,
-            }],
+        let single = |single: &Single| {
+            let outcome = outcome(question.error(|response| single.variances[response]));
+            let runs = vec![run((single.cost, single.spread), outcome, None)];
+            Method { name: single.name.into(), runs }
         };
         let mut series: Vec<Method> = self.singles.iter().map(single).collect();
         for (name, is_controlled) in [

@@ -2,17 +2,19 @@
 //!
 //! Measured on a plane shock and on the energy of an explosion: a page with all cells, and two charts against CPU time.
 
-use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPrecision, markdown};
+use result_figures::{Drawing, Measure, Method, RunOutcome, Words, WorkPrecision, markdown};
 use scenes::causes::with_causes;
 use scenes::machine::Machine;
 use scenes::smpm::scene::{SchemeScene, ShapeScene, TransferScene};
 use serde::Serialize;
+use smpm::Simulation;
 
-use super::cost::{LONG, cost_in_seconds, outcome, table, timed};
+use super::cost::{LONG, cost_in_seconds, outcome, run, table, timed};
 use crate::draw::ChartKind;
-use crate::problems::schemes::{Explosion, FLIP, SHAPES, Shock, scheme};
+use crate::problems::shock::{self, FLIP, SHAPES, at_centre, scheme};
 use crate::problems::work::Work;
 use reference_problems::context::{CaseError, Context, Profile};
+use reference_problems::smpm::problems::{Problem, experiment};
 
 pub(crate) const CHART: ChartKind = ChartKind {
     name: "smpm-scheme",
@@ -142,12 +144,11 @@ fn measured<T>(
 }
 
 fn shock(candidate: Candidate, linear: f64, cell: f64) -> Result<Measured, CaseError> {
-    let scene = Shock::USUAL.scene(&candidate.scheme(linear), cell)?;
-    let (mut row, behind) = measured((candidate, linear, cell), || {
-        Shock::USUAL.behind(&scene, &mut Work::new(MOST_STEPS))
-    })?;
+    let scene = shock::scene(&candidate.scheme(linear), cell)?;
+    let (mut row, behind) =
+        measured((candidate, linear, cell), || shock::behind(&scene, &mut Work::new(MOST_STEPS)))?;
     if let Some(behind) = behind {
-        match Shock::USUAL.slopes(&scene) {
+        match shock::slopes(&scene) {
             Ok([slope, at_instant]) => {
                 row.shock = Some(ShockErrors {
                     pressure: behind.pressure,
@@ -163,11 +164,20 @@ fn shock(candidate: Candidate, linear: f64, cell: f64) -> Result<Measured, CaseE
 }
 
 fn explosion(candidate: Candidate, linear: f64, cell: f64) -> Result<Measured, CaseError> {
-    let problem = Explosion::new(&candidate.scheme(linear), cell, 2)?;
-    let (mut row, energy) = measured((candidate, linear, cell), || {
-        problem.energy_change(TIME, &mut Work::new(MOST_STEPS))
+    let mut scene = Problem::ContactExplosion.scene()?;
+    scene.scheme = candidate.scheme(linear);
+    (scene.grid.cell, scene.grid.particles_per_cell) = (cell, 2);
+    let experiment = experiment::<2>(&scene)?;
+    let energy = |run: &Simulation<f64, 2>| run.ledger().kinetic + run.ledger().internal;
+    let (mut row, change) = measured((candidate, linear, cell), || {
+        let mut run = at_centre(&experiment, &scene)?;
+        let before = energy(&run);
+        let outcome = run.advance_to(TIME);
+        Work::new(MOST_STEPS).spend(run.n_steps())?;
+        outcome?;
+        Ok(energy(&run) / before - 1.0)
     })?;
-    row.energy = energy;
+    row.energy = change;
     Ok(row)
 }
 
@@ -183,14 +193,13 @@ struct Picture {
 impl Picture {
     /// From the rows at the pictured viscosity.
     fn draw(&self, rows: &[Measured]) -> Result<Drawing, CaseError> {
-        let run = |row: &Measured| Run {
-            cost: row.cpu_seconds,
-            cost_error: (row.cpu_scatter > 0.0).then_some(row.cpu_scatter),
-            outcome: (self.reading)(row).map_or_else(
+        let run = |row: &Measured| {
+            let outcome = (self.reading)(row).map_or_else(
                 || RunOutcome::Failed { reason: row.failure.clone().unwrap_or_default() },
                 |value| outcome(value.abs()),
-            ),
-            label: Some(format!("{}", 10.0 * row.cell)),
+            );
+            let label = Some(format!("{}", 10.0 * row.cell));
+            run((row.cpu_seconds, row.cpu_scatter), outcome, label)
         };
         let of = |candidate: Candidate| {
             let name = candidate.name();

@@ -6,18 +6,18 @@ use serde::Deserialize;
 use reference_problems::context::CaseError;
 
 /// Smallest probability that counts.
-pub const SMALLEST: f64 = 1e-6;
+pub(crate) const SMALLEST: f64 = 1e-6;
 
 /// Probabilities of exceedance over times and thresholds, with their errors.
 ///
 /// Its thresholds are such that the smallest probability at the last time is about [`SMALLEST`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ExceedanceSurface {
+pub(crate) struct ExceedanceSurface {
     /// The times (s), at equal intervals.
-    pub times: Vec<f64>,
+    pub(crate) times: Vec<f64>,
     /// The thresholds (m).
-    pub thresholds: Vec<f64>,
+    pub(crate) thresholds: Vec<f64>,
     /// Per time and threshold.
     values: Vec<Vec<f64>>,
     /// Their errors; a standard error where the values are sampled.
@@ -32,23 +32,17 @@ struct File {
 
 impl ExceedanceSurface {
     /// The oscillator with the viscous damper: a grid.
-    ///
-    /// # Errors
-    /// That of the JSON.
-    pub fn viscous_damper() -> Result<Self, CaseError> {
+    pub(crate) fn viscous_damper() -> Result<Self, CaseError> {
         Ok(file()?.viscous_damper)
     }
 
     /// The Bouc-Wen oscillator: guided paths.
-    ///
-    /// # Errors
-    /// That of the JSON.
-    pub fn bouc_wen() -> Result<Self, CaseError> {
+    pub(crate) fn bouc_wen() -> Result<Self, CaseError> {
         Ok(file()?.bouc_wen)
     }
 
     /// The cells of at least [`SMALLEST`]: index of time and threshold, and the reference.
-    pub fn cells(&self) -> impl Iterator<Item = ((usize, usize), Reference)> {
+    pub(crate) fn cells(&self) -> impl Iterator<Item = ((usize, usize), Reference)> {
         let of_time = |(time, (values, errors)): (usize, (&Vec<f64>, &Vec<f64>))| {
             let both: Vec<(f64, f64)> =
                 values.iter().copied().zip(errors.iter().copied()).collect();
@@ -61,8 +55,7 @@ impl ExceedanceSurface {
     }
 
     /// Largest relative error of the cells.
-    #[must_use]
-    pub fn relative_error(&self) -> f64 {
+    pub(crate) fn relative_error(&self) -> f64 {
         let relative = |(_, reference): ((usize, usize), Reference)| {
             reference.error.unwrap_or(f64::INFINITY) / reference.value
         };

@@ -15,11 +15,11 @@ use fpk_sph::score::LatticePlaces;
 use fpk_sph::{Combination, Config, InitialLattice, Method, Scheme, Simulation, StepRule};
 use neighbour_search::{CellGrid, NeighbourList, NeighbourSearch, Radii};
 use particle_store::Lattice;
-use result_figures::{Drawing, Scale};
+use result_figures::Drawing;
 use vibrating_systems::{ViscousDamper, ViscousDamperParameters};
 
 use super::axes::{linear, logarithmic, words};
-use super::{Panel, Work};
+use super::{Limits, Panel, Work};
 use crate::draw::ChartKind;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::fpk::oscillator::Oscillator;
@@ -31,10 +31,8 @@ pub(crate) const MAP: ChartKind = ChartKind {
     draw,
 };
 
-/// Work limit in steps: a hundred times that of an accurate run.
-const MOST_STEPS: u64 = 10_000;
-/// Tolerance of E[q^2].
-const TOLERANCE: f64 = 0.01;
+/// Tolerance of E[q^2], and a work limit in steps of a hundred times that of an accurate run.
+const LIMITS: Limits = Limits { tolerance: 0.01, work: 10_000 };
 /// Time of the other sweeps: noise at its plateau.
 const TIME: f64 = 4.0;
 /// Particles along an axis of the reference run, which also gives the diffusion limit.
@@ -45,14 +43,13 @@ const COARSE: usize = 41;
 fn draw(context: &Context<'_>) -> Result<Vec<Drawing>, CaseError> {
     let n = if context.profile == Profile::Quick { 4 } else { 9 };
     let damper = Damper::new()?;
-    let mut drawings = Vec::new();
-    let (id, name, method) = ("flow-map-fit", "flow-map fit", Method::FlowMapFit);
-    drawings.push(damper.reach_and_step(n, id, name, method)?);
-    drawings.push(damper.lattice(n, id, name, method)?);
-    drawings.push(damper.time(n, id, name, method)?);
-    drawings.push(damper.forward_euler(n)?);
-    drawings.push(damper.exponent(n)?);
-    Ok(drawings)
+    Ok(vec![
+        damper.reach_and_step(n)?,
+        damper.lattice(n)?,
+        damper.time(n)?,
+        damper.forward_euler(n)?,
+        damper.exponent(n)?,
+    ])
 }
 
 /// Caption of the line in the map of support radius and step.
@@ -72,11 +69,11 @@ fn odd(count: f64) -> usize {
     2 * (0.5 * count).round() as usize + 1
 }
 
-/// Squared length, in spacings, in the diffusion limit of a method on an undeformed lattice.
+/// Squared length, in spacings, in the diffusion limit on an undeformed lattice.
 ///
 /// None if the support holds too few neighbours.
-fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
-    let mut estimator = method.combination().estimator.build::<2>();
+fn resolved(reach: f64) -> Result<Option<f64>, CaseError> {
+    let mut estimator = combination().estimator.build::<2>();
     if estimator.check_resolution(reach).is_err() {
         return Ok(None);
     }
@@ -89,6 +86,11 @@ fn resolved(method: Method, reach: f64) -> Result<Option<f64>, CaseError> {
     estimator.start(&at_rest)?;
     let identity = [[1.0, 0.0], [0.0, 1.0]];
     Ok(Some(2.0 / estimator.spread(&identity, reach, &identity)))
+}
+
+/// The swept method, from which a sweep changes one or two entries.
+fn combination() -> Combination {
+    Method::FlowMapFit.combination()
 }
 
 /// Result of a run to a time.
@@ -126,7 +128,7 @@ impl Damper {
             method: Method::Custom(combination),
             lattice,
             reference_period: system.period(),
-            most_steps: MOST_STEPS,
+            most_steps: LIMITS.work,
         };
         let mut simulation = Simulation::new(system, &self.problem.law, &config)?;
         let mut least_limit = f64::INFINITY;
@@ -143,11 +145,11 @@ impl Damper {
     }
 
     /// The run with [`FINE`] particles per side, in steps of at most 0.01.
-    fn fine_run(&self, system: ViscousDamper, method: Method) -> Result<Run, CaseError> {
+    fn fine_run(&self, system: ViscousDamper) -> Result<Run, CaseError> {
         let step = StepRule::DiffusionLimited { longest: 0.01 };
-        let combination = Combination { step, ..method.combination() };
+        let combination = Combination { step, ..combination() };
         let lattice = InitialLattice::box_of(FINE);
-        self.run(system, combination, lattice, TIME, &mut Work::new(MOST_STEPS))
+        self.run(system, combination, lattice, TIME, &mut Work::new(LIMITS.work))
     }
 
     /// Relative error of `E[q^2]` against the reference.
@@ -164,108 +166,90 @@ impl Damper {
         Ok((found.second_moment / reference.value - 1.0).abs())
     }
 
-    fn reach_and_step(
-        &self,
-        n: u32,
-        id: &str,
-        name: &str,
-        method: Method,
-    ) -> Result<Drawing, CaseError> {
+    fn reach_and_step(&self, n: u32) -> Result<Drawing, CaseError> {
         let run = |ratio: f64, dt: f64, work: &mut Work| {
-            let combination = Combination {
-                support_over_spacing: ratio,
-                step: StepRule::Fixed { dt },
-                ..method.combination()
-            };
+            let step = StepRule::Fixed { dt };
+            let combination = Combination { support_over_spacing: ratio, step, ..combination() };
             self.error(combination, InitialLattice::box_of(COARSE), TIME, work)
         };
-        let own = resolved(method, method.combination().support_over_spacing)?
+        let own = resolved(combination().support_over_spacing)?
             .ok_or("the default support radius of the method is rejected")?;
-        let limit = of_coarse(self.fine_run(self.system.clone(), method)?.least_limit);
+        let limit = of_coarse(self.fine_run(self.system.clone())?.least_limit);
         // If the support is rejected there is no stable step.
-        let limit = |ratio: f64| match resolved(method, ratio) {
+        let limit = |ratio: f64| match resolved(ratio) {
             Ok(length) => Some(length.map_or(0.0, |length| limit * length / own)),
             Err(_) => None,
         };
-        let panel = Panel {
-            name: format!("fpk-reach-step-{id}"),
+        Panel {
+            name: "fpk-reach-step-flow-map-fit".into(),
             words: words(
-                format!("{name}: reach of the neighbourhood and step"),
+                "flow-map fit: reach of the neighbourhood and step".into(),
                 "E[q²] of the damper at t = 4, 41 x 41 particles, Runge-Kutta 4 at a fixed step",
                 ["reach / spacing", "step (s)"],
                 REACH_AND_STEP,
             ),
-            scale: Scale::Log,
             across: linear(n, 1.2, 3.6),
             upwards: logarithmic(n, 0.01, 0.3),
             boundary: Some(("diffusion limit", &limit)),
-            tolerance: TOLERANCE,
-            work_limit: MOST_STEPS,
+            limits: LIMITS,
             run: &run,
-        };
-        Ok(panel.sweep()?)
+        }
+        .sweep()
     }
 
-    fn lattice(&self, n: u32, id: &str, name: &str, method: Method) -> Result<Drawing, CaseError> {
+    fn lattice(&self, n: u32) -> Result<Drawing, CaseError> {
         let run = |reach: f64, count: f64, work: &mut Work| {
             let lattice = InitialLattice::Box { reach, count: [odd(count); 2] };
-            self.error(method.combination(), lattice, TIME, work)
+            self.error(combination(), lattice, TIME, work)
         };
-        let panel = Panel {
-            name: format!("fpk-lattice-{id}"),
+        Panel {
+            name: "fpk-lattice-flow-map-fit".into(),
             words: words(
-                format!("{name}: reach and count of the lattice"),
+                "flow-map fit: reach and count of the lattice".into(),
                 "E[q²] of the damper at t = 4",
                 ["reach of the lattice (standard deviations)", "particles along an axis"],
                 "A lattice that ends at r standard deviations lacks the second moment beyond: 1 % at 3.4.",
             ),
-            scale: Scale::Log,
             across: linear(n, 2.5, 8.5),
             upwards: logarithmic(n, 9.0, 81.0),
             boundary: None,
-            tolerance: TOLERANCE,
-            work_limit: MOST_STEPS,
+            limits: LIMITS,
             run: &run,
-        };
-        Ok(panel.sweep()?)
+        }
+        .sweep()
     }
 
     /// The noise decays from t = 6 on and the cloud collapses onto a slow manifold.
-    fn time(&self, n: u32, id: &str, name: &str, method: Method) -> Result<Drawing, CaseError> {
+    fn time(&self, n: u32) -> Result<Drawing, CaseError> {
         let run = |time: f64, count: f64, work: &mut Work| {
-            self.error(method.combination(), InitialLattice::box_of(odd(count)), time.round(), work)
+            self.error(combination(), InitialLattice::box_of(odd(count)), time.round(), work)
         };
-        let panel = Panel {
-            name: format!("fpk-time-{id}"),
+        Panel {
+            name: "fpk-time-flow-map-fit".into(),
             words: words(
-                format!("{name}: time and particles"),
+                "flow-map fit: time and particles".into(),
                 "E[q²] of the damper; the noise decays from t = 6 on, to 3e-4 at t = 10",
                 ["time (s)", "particles along an axis"],
                 "Reach of the lattice: 6 standard deviations.",
             ),
-            scale: Scale::Log,
             across: vec![1.0, 2.0, 4.0, 6.0, 7.0, 8.0, 10.0],
             upwards: logarithmic(n, 15.0, 81.0),
             boundary: None,
-            tolerance: TOLERANCE,
-            work_limit: MOST_STEPS,
+            limits: LIMITS,
             run: &run,
-        };
-        Ok(panel.sweep()?)
+        }
+        .sweep()
     }
 
     fn forward_euler(&self, n: u32) -> Result<Drawing, CaseError> {
         let run = |time: f64, dt: f64, work: &mut Work| {
-            let combination = Combination {
-                scheme: Scheme::ForwardEuler,
-                step: StepRule::Fixed { dt },
-                ..Method::FlowMapFit.combination()
-            };
+            let (scheme, step) = (Scheme::ForwardEuler, StepRule::Fixed { dt });
+            let combination = Combination { scheme, step, ..combination() };
             self.error(combination, InitialLattice::box_of(31), time.round(), work)
         };
         let omega_squared = std::f64::consts::PI.powi(2);
-        let growth = |time: f64| Some(TOLERANCE.ln_1p() / (omega_squared * time));
-        let panel = Panel {
+        let growth = |time: f64| Some(LIMITS.tolerance.ln_1p() / (omega_squared * time));
+        Panel {
             name: "fpk-forward-euler".into(),
             words: words(
                 "forward Euler: time and step".into(),
@@ -273,15 +257,13 @@ impl Damper {
                 ["time (s)", "step (s)"],
                 "Boundary: an undamped oscillator grows by exp(ω² dt t) in energy; the damper takes part of it out.",
             ),
-            scale: Scale::Log,
             across: vec![1.0, 2.0, 4.0, 6.0],
             upwards: logarithmic(n, 5e-4, 0.1),
             boundary: Some(("growth of 1 % in energy", &growth)),
-            tolerance: TOLERANCE,
-            work_limit: MOST_STEPS,
+            limits: LIMITS,
             run: &run,
-        };
-        Ok(panel.sweep()?)
+        }
+        .sweep()
     }
 
     /// Below 1 the drift has no Lipschitz constant at rest.
@@ -297,7 +279,7 @@ impl Damper {
         let across = linear(n, 0.1, 1.0);
         let mut fine_runs = Vec::new();
         for &exponent in &across {
-            fine_runs.push(self.fine_run(system(exponent)?, Method::FlowMapFit));
+            fine_runs.push(self.fine_run(system(exponent)?));
         }
         let fine_at = |exponent: f64| {
             let k = across.iter().position(|e| (e - exponent).abs() < 1e-12);
@@ -305,8 +287,7 @@ impl Damper {
         };
         let run = |exponent: f64, dt: f64, work: &mut Work| {
             let fine = fine_at(exponent).ok_or("the run to compare with has failed")?;
-            let combination =
-                Combination { step: StepRule::Fixed { dt }, ..Method::FlowMapFit.combination() };
+            let combination = Combination { step: StepRule::Fixed { dt }, ..combination() };
             let lattice = InitialLattice::box_of(COARSE);
             let found = self.run(system(exponent)?, combination, lattice, TIME, work)?;
             Ok((found.second_moment / fine.second_moment - 1.0).abs())
@@ -323,7 +304,7 @@ impl Damper {
             let part = (exponent - from) / (to - from);
             Some((1.0 - part) * limit_at(after - 1)? + part * limit_at(after)?)
         };
-        let panel = Panel {
+        Panel {
             name: "fpk-exponent".into(),
             words: words(
                 "flow-map fit: exponent of the damper and step".into(),
@@ -331,14 +312,12 @@ impl Damper {
                 ["exponent of the damper", "step (s)"],
                 "Boundary: the diffusion limit of the run with 81 x 81 particles, four times it for spacings twice as wide.",
             ),
-            scale: Scale::Log,
             across: across.clone(),
             upwards: logarithmic(n, 0.01, 0.3),
             boundary: Some(("diffusion limit", &limit)),
-            tolerance: TOLERANCE,
-            work_limit: MOST_STEPS,
+            limits: LIMITS,
             run: &run,
-        };
-        Ok(panel.sweep()?)
+        }
+        .sweep()
     }
 }

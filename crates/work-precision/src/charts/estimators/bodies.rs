@@ -8,7 +8,7 @@ use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Sampling, UnitCube};
 
 use super::measured::{Size, drawing, method};
-use crate::problems::schemes::Shock;
+use crate::problems::shock;
 use reference_problems::context::{CaseError, Context, Profile};
 use reference_problems::quantile::quantile;
 use reference_problems::smpm::problems::{Problem, experiment};
@@ -43,17 +43,16 @@ struct Question<'a> {
 }
 
 fn shock(context: &Context<'_>) -> Result<Drawing, CaseError> {
-    let shock = Shock::USUAL;
-    let mut scene = Problem::PlateImpact.scene()?;
+    let usual = Problem::PlateImpact.scene()?;
+    let mut scene = shock::scene(&usual.scheme, usual.grid.cell)?;
     let strength = scene.random[0].coefficient_of_variation;
-    scene = shock.scene(&scene.scheme, scene.grid.cell)?;
     scene.times.truncate(1);
     let question = Question {
         name: "estimators-shock",
         title: "Variance of the pressure behind a plane shock in steel, against cost",
         subtitle: format!("S1, gamma0 and a normal, coefficient of variation {strength}"),
         letter: "p",
-        truth: Truth::Exact(vec![shock.variance(strength)]),
+        truth: Truth::Exact(vec![shock::variance(strength)]),
         n_seeds: 8,
         most_points: 32,
     };

@@ -4,7 +4,7 @@ use result_figures::{Drawing, Measure, Method, Run, RunOutcome, Words, WorkPreci
 use scenes::clock::CpuClock;
 use scenes::machine::Machine;
 
-use crate::charts::cost::{cost_in_seconds, median_and_half_range, table};
+use crate::charts::cost::{cost_in_seconds, median_and_half_range, run, table};
 use reference_problems::context::CaseError;
 
 /// Runs of a method at one size: the label of the size, and a run with a seed, which returns relative errors.
@@ -39,7 +39,7 @@ fn at_size(size: &Size<'_>, n_seeds: u64) -> Run {
             Err(error) => {
                 let outcome = RunOutcome::Failed { reason: error.to_string() };
                 let cost = clock.seconds().max(f64::MIN_POSITIVE);
-                return Run { cost, cost_error: None, outcome, label: Some(size.label.clone()) };
+                return run((cost, 0.0), outcome, Some(size.label.clone()));
             }
         };
         seconds.push(clock.seconds());
@@ -50,12 +50,8 @@ fn at_size(size: &Size<'_>, n_seeds: u64) -> Run {
     let value = (squares / f64::from(u32::try_from(n).unwrap_or(u32::MAX))).sqrt();
     // Of the root mean square of independent errors; those of one seed are related.
     let standard_error = Some(value / (2.0 * n_seeds as f64).sqrt());
-    Run {
-        cost,
-        cost_error: (spread > 0.0).then_some(spread),
-        outcome: RunOutcome::Error { value, standard_error },
-        label: Some(size.label.clone()),
-    }
+    let outcome = RunOutcome::Error { value, standard_error };
+    run((cost, spread), outcome, Some(size.label.clone()))
 }
 
 /// The chart of an estimate.

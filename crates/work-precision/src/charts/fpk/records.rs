@@ -7,7 +7,7 @@ use scenes::machine::Machine;
 use serde::Serialize;
 
 use super::question::{Quantity, Question};
-use crate::charts::cost::cost_in_seconds;
+use crate::charts::cost::{cost_in_seconds, run};
 
 /// One run of one method for one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -103,12 +103,7 @@ impl Record {
             }
             _ => self.label.clone(),
         };
-        Run {
-            cost: self.cpu_seconds,
-            cost_error: (self.cpu_spread > 0.0).then_some(self.cpu_spread),
-            outcome,
-            label: Some(label),
-        }
+        run((self.cpu_seconds, self.cpu_spread), outcome, Some(label))
     }
 }
 

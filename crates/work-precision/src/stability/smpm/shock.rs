@@ -1,17 +1,15 @@
 //! A plane shock in steel: Courant number against linear viscosity and against particles per cell.
 
-use result_figures::{Drawing, Scale};
+use result_figures::Drawing;
 use scenes::smpm::scene::{SchemeScene, ShapeScene};
 
-use crate::problems::schemes::{FLIP, SHAPES, Shock, scheme};
+use crate::problems::shock::{self, FLIP, SHAPES, scheme};
 use crate::stability::axes::{linear, logarithmic, words};
-use crate::stability::{Panel, Work};
+use crate::stability::{Limits, Panel, Work};
 use reference_problems::context::CaseError;
 
-/// Work limit in steps: ten times that of a usual run.
-const MOST_STEPS: u64 = 10_000;
-/// Tolerance of the pressure behind the front.
-const TOLERANCE: f64 = 0.05;
+/// Tolerance of the pressure behind the front, and a work limit in steps of ten times that of a usual run.
+const LIMITS: Limits = Limits { tolerance: 0.05, work: 10_000 };
 /// Cells of half a millimetre (cm).
 const CELL: f64 = 0.05;
 /// Linear viscosity where it is not swept.
@@ -29,9 +27,9 @@ pub(super) fn maps(n: u32) -> Result<Vec<Drawing>, CaseError> {
 
 /// The larger of post-shock oscillation and error of the mean.
 fn error(scheme: &SchemeScene, per_cell: u32, work: &mut Work) -> Result<f64, CaseError> {
-    let mut scene = Shock::USUAL.scene(scheme, CELL)?;
+    let mut scene = shock::scene(scheme, CELL)?;
     scene.grid.particles_per_cell = per_cell;
-    let behind = Shock::USUAL.behind(&scene, work)?;
+    let behind = shock::behind(&scene, work)?;
     Ok(behind.ripple.max(behind.pressure.abs()))
 }
 
@@ -49,7 +47,7 @@ fn viscosity(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError
             SchemeScene { courant_number: Some(courant), ..scheme(shape, FLIP, viscosity) };
         error(&scheme, 2, work)
     };
-    Ok(Panel {
+    Panel {
         name: format!("smpm-viscosity-{name}-musl"),
         words: words(
             format!("{name}, FLIP: linear viscosity and step"),
@@ -57,15 +55,13 @@ fn viscosity(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError
             ["coefficient of the linear viscosity", "Courant number"],
             &format!("{FOOT} 2 particles a cell."),
         ),
-        scale: Scale::Log,
         across: linear(n, 0.0, 1.4),
         upwards: logarithmic(n, 0.1, 1.3),
         boundary: Some(("a wave crosses a cell", &|_| Some(REFUSED))),
-        tolerance: TOLERANCE,
-        work_limit: MOST_STEPS,
+        limits: LIMITS,
         run: &run,
     }
-    .sweep()?)
+    .sweep()
 }
 
 fn particles(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError> {
@@ -76,7 +72,7 @@ fn particles(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError
         let per_cell = per_cell.round() as u32;
         error(&scheme, per_cell, work)
     };
-    Ok(Panel {
+    Panel {
         name: format!("smpm-particles-{name}"),
         words: words(
             format!("{name}, FLIP: particles per cell and step"),
@@ -84,15 +80,13 @@ fn particles(n: u32, shape: ShapeScene, name: &str) -> Result<Drawing, CaseError
             ["particles per cell", "Courant number"],
             &format!("{FOOT} Linear viscosity {VISCOSITY}."),
         ),
-        scale: Scale::Log,
         across: linear(6, 1.0, 6.0),
         upwards: logarithmic(n, 0.1, 1.3),
         boundary: Some(("a wave crosses a cell", &|_| Some(REFUSED))),
-        tolerance: TOLERANCE,
-        work_limit: MOST_STEPS,
+        limits: LIMITS,
         run: &run,
     }
-    .sweep()?)
+    .sweep()
 }
 
 #[cfg(test)]
@@ -108,7 +102,7 @@ mod tests {
         assert_eq!(map.points.len(), 8);
         for point in &map.points {
             match &point.outcome {
-                Outcome::Accurate { error } => assert!(point.y < 1.0 && *error <= TOLERANCE),
+                Outcome::Accurate { error } => assert!(point.y < 1.0 && *error <= LIMITS.tolerance),
                 Outcome::Degraded { error } => assert!(point.y < 1.0 && error.is_some()),
                 Outcome::Ended { error } => {
                     assert!(point.y > 1.0 && error.contains("courant_number"), "{error}");

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use peridyn_sde::{CrackRun, CrackStudy, Error, GroupProgress, HaltedRun, RunOutcome};
+use peridyn_sde::{CrackRun, GroupProgress, HaltedRun, RunOutcome};
 use scene_runs::RunError;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,7 @@ impl CrackProblem {
     /// Runs all realisations of a range in one piece.
     ///
     /// # Errors
-    /// [`RunError::Solver`] with those of [`CrackStudy::run`].
+    /// [`RunError::Solver`] with those of [`peridyn_sde::CrackStudy::run`].
     pub fn run(&self, scene: &CrackScene, range: Range<u64>) -> Result<CrackRun, RunError> {
         self.run_while(scene, range, CrackProgress::default(), &|_| true, |_| Ok(()))
     }
@@ -42,7 +42,7 @@ impl CrackProblem {
     /// again. `look` observes the realisations so far after each round, and when one was halted; then it must return an error.
     ///
     /// # Errors
-    /// Those of [`CrackStudy::resume_while`] and of `look`.
+    /// Those of [`peridyn_sde::CrackStudy::resume_while`] and of `look`.
     pub fn run_while(
         &self,
         scene: &CrackScene,
@@ -51,7 +51,8 @@ impl CrackProblem {
         goes_on: &(dyn Fn(Option<f64>) -> bool + Sync),
         mut look: impl FnMut(&CrackProgress) -> Result<(), RunError>,
     ) -> Result<CrackRun, RunError> {
-        let (study, n) = (self.study(scene), (range.end - range.start) as f64);
+        let (study, keep) = (self.study(scene), &scene.output.vtu);
+        let n = (range.end - range.start) as f64;
         let each = self.n_side_by_side(scene) * rayon::current_num_threads() as u64;
         let mut so_far = past;
         if so_far.n_ended() > 0 {
@@ -72,8 +73,11 @@ impl CrackProblem {
             let part = |group: GroupProgress| {
                 goes_on(group.done.map(|done| (n_ended as f64 + done * in_round) / n))
             };
-            let known = known.map(|(_, halted)| halted);
-            match ran(&study, scene, (round, known), &part).map_err(RunError::solver)? {
+            let ended = match known {
+                None => study.run_while(round, keep, &part),
+                Some((_, halted)) => study.resume_while(halted, keep, &part),
+            };
+            match ended.map_err(RunError::solver)? {
                 RunOutcome::Halted(halted) => so_far.halted = Some(halted),
                 RunOutcome::Finished(run) => match &mut so_far.run {
                     None => so_far.run = Some(run),
@@ -82,19 +86,5 @@ impl CrackProblem {
             }
             look(&so_far)?;
         }
-    }
-}
-
-/// A round, from where it is known to be.
-fn ran(
-    study: &CrackStudy<'_>,
-    scene: &CrackScene,
-    (round, known): (Range<u64>, Option<HaltedRun>),
-    goes_on: &(dyn Fn(GroupProgress) -> bool + Sync),
-) -> Result<RunOutcome, Error> {
-    let keep = &scene.output.vtu;
-    match known {
-        None => study.run_while(round, keep, goes_on),
-        Some(known) => study.resume_while(known, keep, goes_on),
     }
 }

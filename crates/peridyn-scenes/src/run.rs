@@ -22,6 +22,8 @@ use scene_runs::result_file::ResultFile;
 use scene_runs::scene::{NamedFile, Objection, SceneFile};
 use sde_integrators::{Accumulator, Noise};
 
+pub(crate) use self::pictures::rank;
+pub(crate) use self::record::Quantile;
 use self::record::{Content, Record, WorkRecord};
 use crate::points::Cloud;
 use crate::progress::CrackProgress;

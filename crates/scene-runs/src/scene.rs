@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use self::error::Origin;
-pub use self::error::{Objection, SceneError};
+pub use self::error::{Mistake, Objection, SceneError};
 pub use self::named_file::NamedFile;
 pub use self::place::{WrongKey, read_keys};
 pub use self::retired::Retired;

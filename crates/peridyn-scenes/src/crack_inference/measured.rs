@@ -2,25 +2,29 @@
 
 use std::path::Path;
 
-use crack_inference::{Absent, Observations, Summaries};
+use crack_inference::{Absent, Summaries};
 use peridyn_sde::CrackPath;
 use peridyn_sde::statistics::{CrackRecord, SummaryConfig};
 use scene_runs::nearest::nearest;
 use scene_runs::scene::{NamedFile, Objection};
 use sde_integrators::Accumulator;
+use serde::Serialize;
 
 use super::scene::{InferenceScene, LoadScene};
 use crate::points::csv::{Wrong, number, rows};
+use crate::points::read_beside;
 
 const PATHS: &str = "measured.paths";
 const LOADS: &str = "measured.failure_loads";
 
 /// A measured plate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeasuredPlate {
     /// Its name in the files.
+    #[serde(rename = "plate")]
     pub name: String,
     /// Points of its crack (m); none without a file of paths.
+    #[serde(rename = "points")]
     pub path: Vec<[f64; 2]>,
     /// Its failure load (N), if it is given.
     pub failure_load: Option<f64>,
@@ -64,13 +68,7 @@ impl Measured {
     }
 
     fn file(&mut self, key: &str, name: &str, folder: &Path) -> Result<Vec<u8>, Objection> {
-        let (file, bytes) = NamedFile::read(name, folder).map_err(|error| {
-            let message = format!("cannot read {name}: {error}");
-            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-            let help =
-                format!("a path is taken from the folder of the scene, {}", folder.display());
-            Objection::new(key, message).with_help(help)
-        })?;
+        let (file, bytes) = read_beside((name, folder), key, "")?;
         self.files.push(file);
         Ok(bytes)
     }
@@ -203,17 +201,6 @@ pub fn errors(scene: &InferenceScene, plates: &Summaries) -> Vec<f64> {
         }
     }
     errors
-}
-
-/// The plates with the errors of their measurement.
-///
-/// # Errors
-/// None that can occur: the errors were checked with the scene.
-pub fn observations(
-    plates: &Summaries,
-    errors: &[f64],
-) -> Result<Observations, crack_inference::Error> {
-    Observations::new(plates, &errors.iter().map(|error| error * error).collect::<Vec<_>>())
 }
 
 /// A row of a file: the name of its plate and its numbers.

@@ -16,6 +16,7 @@ use crack_inference::{
     Emulator, EmulatorMixture, Error, Observations, ParameterSpace, Posterior, SamplerConfig,
     Summaries,
 };
+use scene_runs::answers::Number;
 use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Completed, EnsemblePart, Inputs, Output, Run, RunError, SceneKind};
 use scene_runs::result_file::ResultFile;
@@ -24,11 +25,11 @@ use sde_integrators::Noise;
 
 use self::ensembles::{Ended, Ensembles, Series};
 use self::posterior_record::{correlations, parameters};
-use self::predictive::Predicted;
+use self::predictive::{Predicted, share};
 use self::record::{
     Content, EmulatorRecord, MeasuredRecord, PredictiveRecord, SamplerRecord, WorkRecord,
 };
-use super::measured::{Measured, SummaryError, errors, observations, summaries};
+use super::measured::{Measured, SummaryError, errors, summaries};
 use super::plate::{PlateError, PlateModel};
 use super::scene::{DesignScene, InferenceScene, LoadScene};
 
@@ -190,9 +191,10 @@ impl Study<'_> {
             height_error: scene.measured.height_error,
             seed: self.seed(PREDICTION),
         };
-        let compared = predicted.compare(self.of_plates)?;
-        let heights = predicted.heights(&plate.abscissae()).map_err(RunError::solver)?;
-        let predictive = PredictiveRecord::new(&draws, &self.names(), &compared, &heights)?;
+        let summaries = predicted.compare(self.of_plates, &self.names())?;
+        let share_inside = share(&summaries).map(Number::from);
+        let path = predicted.heights(&plate.abscissae()).map_err(RunError::solver)?;
+        let predictive = PredictiveRecord { draws, share_inside, summaries, path };
         let mut content = self.content(plate, &inferred, of_design, predictive)?;
         let of_all = || of_design.iter().chain(&of_draws);
         let of_ensembles: f64 = of_all().map(|ended| ended.seconds).sum();
@@ -224,7 +226,8 @@ impl Study<'_> {
         let n_emulators = whole(self.scene.design.emulators);
         let mixture =
             EmulatorMixture::new(&emulator, n_emulators, &noise).map_err(RunError::solver)?;
-        let data = observations(self.of_plates, errors).map_err(RunError::solver)?;
+        let variances: Vec<f64> = errors.iter().map(|error| error * error).collect();
+        let data = Observations::new(self.of_plates, &variances).map_err(RunError::solver)?;
         let likelihood = |point: &[f64]| mixture.value(point, &data);
         let posterior = Posterior::sample(self.space, &likelihood, &self.sampler())
             .map_err(RunError::solver)?;
@@ -252,7 +255,11 @@ impl Study<'_> {
                 has_converged: posterior.has_converged(),
             },
             emulator: EmulatorRecord::new(emulator, posterior, data, of_fit)?,
-            measured: MeasuredRecord::new(&self.measured.plates, self.of_plates),
+            measured: MeasuredRecord {
+                plates: self.measured.plates.len(),
+                without_summaries: self.of_plates.absent().total(),
+                paths: self.measured.plates.clone(),
+            },
             predictive,
         })
     }

@@ -8,6 +8,8 @@ use sde_integrators::Noise;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::keys::named::named;
+
 /// Parameters of a crack scene from measured crack paths and failure loads: model, data, parameters, design of ensembles, sampler.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -71,17 +73,17 @@ pub struct SummariesScene {
     pub load: LoadScene,
 }
 
-/// What of the load is compared.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum LoadScene {
-    /// Nothing.
-    #[default]
-    None,
-    /// The largest load, as a mean over a window of the plate's `output.windows`.
-    FailureLoad,
-    /// Its natural logarithm: nearer to a linear function of the logarithm of a strength.
-    LogFailureLoad,
+named! {
+    /// What of the load is compared.
+    LoadScene => LoadSummary {
+        /// Nothing.
+        #[default]
+        None,
+        /// The largest load, as a mean over a window of the plate's `output.windows`.
+        FailureLoad,
+        /// Its natural logarithm: nearer to a linear function of the logarithm of a strength.
+        LogFailureLoad,
+    }
 }
 
 /// An unknown parameter.
@@ -103,15 +105,15 @@ pub struct ParameterScene {
     pub prior: PriorScene,
 }
 
-/// Scale of a parameter.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ScaleScene {
-    /// The value itself.
-    #[default]
-    Linear,
-    /// Its natural logarithm; both bounds are then positive.
-    Logarithmic,
+named! {
+    /// Scale of a parameter.
+    ScaleScene => Scale {
+        /// The value itself.
+        #[default]
+        Linear,
+        /// Its natural logarithm; both bounds are then positive.
+        Logarithmic,
+    }
 }
 
 /// Prior distribution of a parameter.
@@ -218,11 +220,7 @@ impl InferenceScene {
     /// The summaries that are compared.
     #[must_use]
     pub fn summary_config(&self) -> SummaryConfig {
-        let load = match self.summaries.load {
-            LoadScene::None => LoadSummary::None,
-            LoadScene::FailureLoad => LoadSummary::FailureLoad,
-            LoadScene::LogFailureLoad => LoadSummary::LogFailureLoad,
-        };
+        let load = self.summaries.load.into();
         SummaryConfig { abscissae: self.summaries.abscissae.clone(), load }
     }
 
@@ -329,10 +327,7 @@ impl InferenceScene {
 
 impl ParameterScene {
     fn build(&self) -> Parameter {
-        let scale = match self.scale {
-            ScaleScene::Linear => Scale::Linear,
-            ScaleScene::Logarithmic => Scale::Logarithmic,
-        };
+        let scale = self.scale.into();
         let prior = match self.prior {
             PriorScene::Uniform => Prior::Uniform,
             PriorScene::Normal { median, standard_deviation } => {

@@ -5,6 +5,7 @@ use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::named::named;
 use super::positive::positive;
 use super::scene_field::CorrelationScene;
 
@@ -167,23 +168,14 @@ pub enum StepScene {
     Dt(f64),
 }
 
-/// When bond failure is checked.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum BreakingScene {
-    /// At the ends of steps.
-    #[default]
-    AtEnds,
-    /// At the ends of steps and between them.
-    Bridge,
-}
-
-impl From<BreakingScene> for Breaking {
-    fn from(scene: BreakingScene) -> Self {
-        match scene {
-            BreakingScene::AtEnds => Self::AtEnds,
-            BreakingScene::Bridge => Self::Bridge,
-        }
+named! {
+    /// When bond failure is checked.
+    BreakingScene => Breaking {
+        /// At the ends of steps.
+        #[default]
+        AtEnds,
+        /// At the ends of steps and between them.
+        Bridge,
     }
 }
 

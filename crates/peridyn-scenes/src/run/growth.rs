@@ -1,6 +1,6 @@
 //! Damage of the kept realisations at some times: how their cracks grew.
 
-use peridyn_sde::{Bonds, FinalState};
+use peridyn_sde::FinalState;
 use result_pages::Motion;
 use scene_runs::kind::RunError;
 
@@ -36,7 +36,9 @@ impl Growth {
         let n = (Motion::BUDGET / 2 / bytes.max(1)).clamp(LEAST, MOST);
         let n_steps = study.n_steps();
         let steps = steps(states, n_steps, n);
-        let damage = states.iter().map(|state| follow(state, study.bonds, &steps));
+        let damage = states.iter().map(|state| {
+            steps.iter().map(|&step| state.damage_at(study.bonds, step)).collect::<Result<_, _>>()
+        });
         let (axis, end) = axis(problem);
         let times = steps.iter().map(|&step| end * (step as f64 / n_steps as f64)).collect();
         Ok(Self {
@@ -54,14 +56,6 @@ pub(super) fn axis(problem: &CrackProblem) -> ((&'static str, &'static str), f64
         (None, LoadEnd::Strain(strain)) => (("mean strain", ""), strain),
         (None, LoadEnd::Displacement(u)) => (("u", "m"), u),
     }
-}
-
-fn follow(
-    state: &FinalState,
-    bonds: &Bonds,
-    steps: &[u64],
-) -> Result<Vec<Vec<f64>>, peridyn_sde::Error> {
-    steps.iter().map(|&step| state.damage_at(bonds, step)).collect()
 }
 
 /// The start, the end, and in equal distances the steps between the first and the last in which a bond of any of these broke.

@@ -182,9 +182,9 @@ fn load(scene: &CrackScene, run: &CrackRun, record: &Record) -> TimeSeries {
     }
 }
 
-/// The value of rank `ceil(n p)`.
+/// The value of rank `ceil(n p)`; none without values.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to n")]
-fn rank(ascending: &[f64], p: f64) -> Option<f64> {
+pub(crate) fn rank(ascending: &[f64], p: f64) -> Option<f64> {
     let rank = (ascending.len() as f64 * p).ceil().max(1.0) as usize;
     ascending.get(rank - 1).copied()
 }

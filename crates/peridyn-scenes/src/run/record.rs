@@ -116,24 +116,29 @@ pub(super) struct Law {
 
 /// A quantile.
 #[derive(Debug, Serialize)]
-pub(super) struct Quantile {
-    pub(super) probability: f64,
+pub(crate) struct Quantile {
+    pub(crate) probability: f64,
     #[serde(flatten)]
-    pub(super) number: Number,
+    pub(crate) number: Number,
+}
+
+impl Quantile {
+    /// Quantiles at some probabilities.
+    pub(crate) fn all(probabilities: &[f64], values: &[Estimate]) -> Vec<Self> {
+        let one =
+            |(&probability, &value): (&f64, &Estimate)| Self { probability, number: value.into() };
+        probabilities.iter().zip(values).map(one).collect()
+    }
 }
 
 impl From<&Distribution> for Law {
     fn from(law: &Distribution) -> Self {
-        let quantile = |(&probability, &estimate): (&f64, &Estimate)| Quantile {
-            probability,
-            number: estimate.into(),
-        };
         Self {
             realisations: law.n,
             missing: law.missing,
             mean: law.mean.into(),
             standard_deviation: law.deviation,
-            quantiles: QUANTILES.iter().zip(&law.quantiles).map(quantile).collect(),
+            quantiles: Quantile::all(&QUANTILES, &law.quantiles),
         }
     }
 }

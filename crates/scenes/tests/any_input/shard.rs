@@ -58,62 +58,14 @@ impl Ensemble {
     }
 }
 
-pub(crate) static PATHS: LazyLock<Ensemble> = LazyLock::new(|| {
-    Ensemble::new(
-        "paths",
-        r#"{
-          "solver": "fpk-sph", "title": "small",
-          "system": { "linear_oscillator": {
-            "natural_frequency": 3, "damping_ratio": 0.05, "noise_intensity": 0.2, "window": "stationary"
-          } },
-          "initial": { "gaussian": { "mean": [0, 0], "standard_deviation": [0.1, 0.1] } },
-          "method": { "monte_carlo": { "paths": 9000, "step": 0.1, "seed": 1 } },
-          "times": { "until": 0.2, "every": 0.1 },
-          "moments": [[2, 0]], "demand": { "state": "q" }, "thresholds": [0.1]
-        }"#,
-    )
-});
+pub(crate) static PATHS: LazyLock<Ensemble> =
+    LazyLock::new(|| Ensemble::new("paths", include_str!("shards/paths.json")));
 
-pub(crate) static SAMPLES: LazyLock<Ensemble> = LazyLock::new(|| {
-    Ensemble::new(
-        "samples",
-        r#"{
-          "solver": "smpm", "title": "small", "units": "cm_g_us", "dimension": 1,
-          "grid": { "cell": 0.5, "particles_per_cell": 2 },
-          "boundaries": [{ "axis": 1, "position": 0, "side": "above", "kind": "symmetry" }],
-          "materials": { "steel": { "equation": { "mie_gruneisen": { "library": "steel" } } } },
-          "bodies": [
-            { "name": "plate", "material": "steel", "shape": { "box": { "from": [0], "to": [3] } }, "velocity": [-0.1] }
-          ],
-          "random": [{ "parameter": "steel.equation.s1", "law": "normal", "coefficient_of_variation": 0.05 }],
-          "method": { "monte_carlo": { "samples": 16, "seed": 1, "control": false } },
-          "gauges": [{ "name": "wake", "body": "plate", "within": [[0.2], [1.2]] }],
-          "quantities": ["pressure"], "times": [1, 2]
-        }"#,
-    )
-});
+pub(crate) static SAMPLES: LazyLock<Ensemble> =
+    LazyLock::new(|| Ensemble::new("samples", include_str!("shards/samples.json")));
 
-pub(crate) static CRACKS: LazyLock<Ensemble> = LazyLock::new(|| {
-    Ensemble::new(
-        "cracks",
-        r#"{
-          "solver": "peridyn-sde", "title": "small",
-          "body": { "size": [0.012, 0.012], "spacing": 0.001, "condition": { "plane_stress": { "thickness": 0.001 } } },
-          "material": { "young_modulus": 72e9, "toughness": { "energy_release_rate": 3.8 } },
-          "bonds": { "horizon": { "shells": 2 } },
-          "notch": { "mouth": [0, 0.006], "tip": [0.004, 0.006] },
-          "grips": { "height": 0.002 },
-          "loading": { "stretch": { "strain": { "over_critical_stretch": 0.8 } } },
-          "dynamics": { "overdamped": {
-            "mobility": { "identity": { "value": 1 } }, "temperature": { "ratio": 20 }, "scheme": "leimkuhler_matthews"
-          } },
-          "time": { "step": { "z": 0.9 }, "steps": 20 },
-          "strength": "uniform",
-          "ensemble": { "realisations": 4, "seed": 3, "precision": "f64" },
-          "output": { "windows": 5 }
-        }"#,
-    )
-});
+pub(crate) static CRACKS: LazyLock<Ensemble> =
+    LazyLock::new(|| Ensemble::new("cracks", include_str!("shards/cracks.json")));
 
 impl Ensemble {
     /// The first shard between its head and its hash.

@@ -2,39 +2,28 @@
 
 use std::path::Path;
 
-use scenes::checkpoint::Start;
-use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
+use scenes::RunError;
 use serde_json::Value;
 
-use crate::fpk::{run_in, whole_and_merged};
+use crate::harness::{Ran, changed, whole_merged_and_on_ranks};
 
 const DAMPER: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
-const OWN: &str = "\"flow_map_fit\": { \"count\": [49, 49], \"reach\": 7 }";
-const LINEARISED: &str = "\"statistical_linearisation\": { \"step\": 0.05 }";
-const GUIDED: &str = "\"guided_paths\": { \"samples\": 2000, \"step\": 0.04, \"seed\": 7 }";
-const SUBSET: &str = "\"subset_simulation\": { \"samples\": 300, \"correlation\": 0.8, \"runs\": 8, \
-                      \"step\": 0.04, \"seed\": 6 }";
+const LINEARISED: &str = "'statistical_linearisation': { 'step': 0.05 }";
+const GUIDED: &str = "'guided_paths': { 'samples': 2000, 'step': 0.04, 'seed': 7 }";
+const SUBSET: &str = "'subset_simulation': { 'samples': 300, 'correlation': 0.8, 'runs': 8, 'step': 0.04, 'seed': 6 }";
 
 /// The scene by a method, only at t = 6.
 fn by(method: &str, thresholds: &str) -> String {
-    let mut text = DAMPER.to_owned();
-    for (from, to) in [
-        (OWN, method),
-        ("\"until\": 10, \"every\": 0.1", "\"until\": 6, \"every\": 6"),
+    let changes = [
+        ("'flow_map_fit': { 'count': [49, 49], 'reach': 7 }", method),
+        ("'until': 10, 'every': 0.1", "'until': 6, 'every': 6"),
         ("[0.1, 0.25, 0.5, 0.75, 1, 1.25, 1.5]", thresholds),
-    ] {
-        assert!(text.contains(from), "{from}");
-        text = text.replace(from, to);
-    }
-    text
+    ];
+    changed(DAMPER, &changes)
 }
 
-fn result(name: &str, text: &str) -> Value {
-    let folder = std::env::temp_dir().join(format!("established-{name}-{}", std::process::id()));
-    run_in(&folder, text, Start::Anew).unwrap();
-    let result = std::fs::read(folder.join("result.json")).unwrap();
-    std::fs::remove_dir_all(&folder).unwrap();
-    serde_json::from_slice(&result).unwrap()
+fn result(text: &str) -> Value {
+    Ran::of(text).result()
 }
 
 /// Value, error and kind of a quantity at its last time.
@@ -57,8 +46,8 @@ fn reference(name: &str) -> (f64, f64) {
 
 #[test]
 fn a_grid_states_an_error_that_holds_its_distance_to_the_reference() {
-    let method = "\"conservative_grid\": { \"cells\": 64, \"reach\": 8, \"steps_per_period\": 40 }";
-    let result = result("grid", &by(method, "[1, 1.25, 9]"));
+    let method = "'conservative_grid': { 'cells': 64, 'reach': 8, 'steps_per_period': 40 }";
+    let result = result(&by(method, "[1, 1.25, 9]"));
     for (id, name) in [
         ("moment/2-0", "q2"),
         ("moment/1-1", "qv"),
@@ -83,8 +72,7 @@ fn a_grid_states_an_error_that_holds_its_distance_to_the_reference() {
 
 #[test]
 fn linearisation_does_not_know_its_error_but_on_a_linear_system() {
-    let result_of = |text: &str| result("linearised", text);
-    let damper = result_of(&by(LINEARISED, "[1]"));
+    let damper = result(&by(LINEARISED, "[1]"));
     let (value, error, kind) = last(&damper, "moment/2-0").unwrap();
     let (expected, _) = reference("q2");
     // Observed by the claims: 1.03 % too small.
@@ -97,7 +85,7 @@ fn linearisation_does_not_know_its_error_but_on_a_linear_system() {
         "initial": { "gaussian": { "mean": [1], "standard_deviation": [0.2] } },
         "method": { "statistical_linearisation": { "step": 0.05 } },
         "times": { "until": 2, "every": 1 }, "moments": [[1], [4]], "thresholds": [1] }"#;
-    let exact = result_of(linear);
+    let exact = result(linear);
     let decay = (-2.0_f64).exp();
     let (mean, variance) = (0.5 + 0.5 * decay, 0.125 + (0.04 - 0.125) * decay * decay);
     let fourth = mean.powi(4) + 6.0 * mean * mean * variance + 3.0 * variance * variance;
@@ -118,7 +106,7 @@ fn one_probability_is_found_with_its_standard_error_and_moments_are_unknown() {
     for (name, method, most, bias) in
         [("guided", GUIDED, 0.03, 0.02), ("subset", SUBSET, 0.6, 0.18)]
     {
-        let result = result(name, &by(method, "[1.25]"));
+        let result = result(&by(method, "[1.25]"));
         let (value, error, kind) = last(&result, "exceedance/1.25").unwrap();
         let error = error.unwrap();
         assert_eq!(kind, "standard_error");
@@ -132,14 +120,12 @@ fn one_probability_is_found_with_its_standard_error_and_moments_are_unknown() {
 }
 
 #[test]
-fn merged_shards_of_guided_paths_have_the_bits_of_one_run() {
+fn merged_shards_and_ranks_of_guided_paths_have_the_bits_of_one_run() {
     let by_seed = |seed: &str| {
-        by(&GUIDED.replace("\"seed\": 7", seed), "[0.75, 1.25]")
-            .replace("\"until\": 6, \"every\": 6", "\"until\": 6, \"every\": 3")
+        let times = ("'until': 6, 'every': 6", "'until': 6, 'every': 3");
+        changed(&by(GUIDED, "[0.75, 1.25]"), &[("'seed': 7", seed), times])
     };
-    let (own, other) = (by_seed("\"seed\": 7"), by_seed("\"seed\": 8"));
-    let [whole, merged] = whole_and_merged("fpk-guided", &own, &other);
-    assert_eq!(whole, merged);
+    let whole = whole_merged_and_on_ranks(&by_seed("'seed': 7"), &by_seed("'seed': 8"));
     for id in ["exceedance/0.75", "exceedance/1.25"] {
         let series = whole["quantities"].as_array().unwrap();
         let series = series.iter().find(|series| series["id"] == id).unwrap();
@@ -149,29 +135,20 @@ fn merged_shards_of_guided_paths_have_the_bits_of_one_run() {
 
 #[test]
 fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
-    let folder = std::env::temp_dir().join(format!("established-part-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let scene = folder.join("scene.json");
+    let ran = Ran::of(&by("'monte_carlo': { 'paths': 100, 'step': 0.04, 'seed': 6 }", "[1]"));
     for method in [LINEARISED, SUBSET] {
-        std::fs::write(&scene, by(method, "[1]")).unwrap();
-        let options =
-            Options { part: EnsemblePart::Shard("1/2".parse().unwrap()), ..Options::new(&folder) };
-        let error = run(ALL, &scene, &options, &Progress::silent()).unwrap_err();
+        let error = ran.resume(&by(method, "[1]")).unwrap_err();
+        assert!(matches!(error, RunError::Checkpoint(_)), "{error:?}");
+        let error = ran.shard("1/2", "shard").unwrap_err();
         assert!(matches!(error, RunError::NoShards), "{error}");
     }
-    let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.04, \"seed\": 6 }";
-    run_in(&folder, &by(paths, "[1]"), Start::Anew).unwrap();
-    let error = run_in(&folder, &by(SUBSET, "[1]"), Start::GoOn).unwrap_err().to_string();
-    assert!(error.contains("is of another scene"), "{error}");
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
 fn probabilities_whose_weights_cannot_be_trusted_are_unknown_with_the_reason() {
     // 0.4 is 2.7 deviations away; at 6, which is 40, no weight is above the smallest number.
-    let text = by(GUIDED, "[0.4, 6]")
-        .replace("\"until\": 6, \"every\": 6", "\"until\": 0.04, \"every\": 0.04");
-    let result = result("guided-refused", &text);
+    let times = ("'until': 6, 'every': 6", "'until': 0.04, 'every': 0.04");
+    let result = result(&changed(&by(GUIDED, "[0.4, 6]"), &[times]));
     assert!(last(&result, "exceedance/0.4").is_some());
     let unknown = result["unknown"].as_array().unwrap();
     assert_eq!(unknown[1]["what"], "exceedance/6 at t = 0.04");

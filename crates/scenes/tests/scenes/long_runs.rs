@@ -1,43 +1,38 @@
 //! Runs that would take too long, and runs that are resumed.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Output};
 use std::time::Duration;
 
 use scenes::ladder::{Ladder, Limits, Outcome, climb};
 use scenes::{ALL, SceneFile, kind_of};
 use serde_json::Value;
+use tempfile::TempDir;
 
+use crate::harness::{changed, result_in};
 use crate::run_page::{BODIES, BUILDING, DENSITY, PLATE};
 
 /// A few microseconds.
 const NEXT_TO_NOTHING: [&str; 2] = ["--longest", "1e-9"];
 
-struct Folder(PathBuf);
+struct Folder(TempDir);
 
 impl Folder {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("long-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
     fn run(&self, scene: &str, out: &str, more: &[&str]) -> Output {
-        let file = self.0.join("scene.json");
+        let file = self.join("scene.json");
         std::fs::write(&file, scene).unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_scenes"));
-        command.arg("run").arg(&file).arg("--out").arg(self.0.join(out)).args(more);
+        command.arg("run").arg(&file).arg("--out").arg(self.join(out)).args(more);
         command.output().unwrap()
     }
 
-    fn text(&self, file: impl AsRef<Path>) -> String {
-        std::fs::read_to_string(self.0.join(file)).unwrap()
+    fn join(&self, file: &str) -> PathBuf {
+        self.0.path().join(file)
     }
 
     /// What a run found, without its cost and its machine.
     fn found(&self, out: &str) -> Value {
-        let mut result: Value =
-            serde_json::from_str(&self.text(format!("{out}/result.json"))).unwrap();
+        let mut result = result_in(&self.join(out));
         for key in ["work", "machine", "commit"] {
             result.as_object_mut().unwrap().remove(key);
         }
@@ -45,29 +40,22 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // A test that failed has said why.
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 /// The scene is refused by its pace, and then resumed to the result of one run.
-pub(crate) fn refused_and_resumed(name: &str, scene: &str) {
-    refused_and_resumed_beside(name, scene, &[]);
+pub(crate) fn refused_and_resumed(scene: &str) {
+    refused_and_resumed_beside(scene, &[]);
 }
 
 /// As [`refused_and_resumed`], with files beside the scene.
-pub(crate) fn refused_and_resumed_beside(name: &str, scene: &str, files: &[(&str, &str)]) {
-    let folder = Folder::new(name);
+pub(crate) fn refused_and_resumed_beside(scene: &str, files: &[(&str, &str)]) {
+    let folder = Folder(tempfile::tempdir().unwrap());
     for (name, text) in files {
-        std::fs::write(folder.0.join(name), text).unwrap();
+        std::fs::write(folder.join(name), text).unwrap();
     }
     let refused = folder.run(scene, "pieces", &NEXT_TO_NOTHING);
     assert_eq!(refused.status.code(), Some(1), "{refused:?}");
     let words = String::from_utf8(refused.stderr).unwrap();
     assert!(words.contains("so the rest takes about") && words.contains("--yes"), "{words}");
-    assert!(!folder.0.join("pieces/result.json").exists());
+    assert!(!folder.join("pieces/result.json").exists());
     // Without --resume the kept part is not overwritten.
     let again = folder.run(scene, "pieces", &["--yes"]);
     assert_eq!(again.status.code(), Some(1), "{again:?}");
@@ -80,52 +68,48 @@ pub(crate) fn refused_and_resumed_beside(name: &str, scene: &str, files: &[(&str
 
 #[test]
 fn a_density_that_would_take_too_long_is_refused_and_goes_on_where_it_was() {
-    refused_and_resumed("density", DENSITY);
+    refused_and_resumed(DENSITY);
 }
 
 #[test]
 fn sampled_paths_that_would_take_too_long_are_refused_and_go_on_where_they_were() {
-    let fit = r#"{ "flow_map_fit": { "spacing": 0.5, "reach": 4 } }"#;
-    let sampled = r#"{ "monte_carlo": { "paths": 100000, "step": 0.01, "seed": 1 } }"#;
-    assert!(DENSITY.contains(fit));
-    let planes = DENSITY.find(",\n  \"planes\"").unwrap();
-    let scene = format!("{}\n}}", &DENSITY[..planes]).replace(fit, sampled);
-    refused_and_resumed("paths", &scene);
-    let more = BUILDING.replace("\"paths\": 2000", "\"paths\": 50000");
-    refused_and_resumed("blocks", &more);
+    let scene = changed(
+        DENSITY,
+        &[
+            (
+                "{ 'flow_map_fit': { 'spacing': 0.5, 'reach': 4 } }",
+                "{ 'monte_carlo': { 'paths': 100000, 'step': 0.01, 'seed': 1 } }",
+            ),
+            (",\n  'planes': { 'states': [['q', 'v']], 'times': [0.1, 0.5] }", ""),
+        ],
+    );
+    refused_and_resumed(&scene);
+    refused_and_resumed(&changed(BUILDING, &[("'paths': 2000", "'paths': 50000")]));
 }
 
 #[test]
 fn bodies_that_would_take_too_long_are_refused_and_go_on_where_they_were() {
-    refused_and_resumed("bodies", BODIES);
-    let samples = r#"{ "monte_carlo": { "samples": 40, "seed": 3, "control": false } }"#;
-    let scene = BODIES.replace("\"propagated\"", samples).replace("true", "false");
-    refused_and_resumed("samples", &scene);
+    refused_and_resumed(BODIES);
+    let samples = "{ 'monte_carlo': { 'samples': 40, 'seed': 3, 'control': false } }";
+    refused_and_resumed(&changed(BODIES, &[("'propagated'", samples), ("true", "false")]));
 }
 
 #[test]
 fn realisations_that_would_take_too_long_are_refused_and_go_on_from_their_step() {
-    refused_and_resumed("cracks", PLATE);
-    let mut slow = PLATE.to_owned();
-    for (from, to) in [
-        (
-            r#"{ "inertial": { "friction": 3e5, "temperature": "zero" } }"#,
-            r#"{ "quasi_static": {} }"#,
-        ),
-        (r#""time": { "step": { "z": 1.6 }, "steps": 400 },"#, ""),
-        (r#""hold": "sliding""#, r#""hold": "sliding", "protected": 0.005"#),
-        (r#""realisations": 4"#, r#""realisations": 6"#),
+    refused_and_resumed(PLATE);
+    let slow = [
+        ("{ 'inertial': { 'friction': 3e5, 'temperature': 'zero' } }", "{ 'quasi_static': {} }"),
+        ("'time': { 'step': { 'z': 1.6 }, 'steps': 400 },", ""),
+        ("'hold': 'sliding'", "'hold': 'sliding', 'protected': 0.005"),
+        ("'realisations': 4", "'realisations': 6"),
         ("f32", "f64"),
-    ] {
-        assert!(slow.contains(from), "{from}");
-        slow = slow.replace(from, to);
-    }
-    refused_and_resumed("slow", &slow);
+    ];
+    refused_and_resumed(&changed(PLATE, &slow));
 }
 
 #[test]
 fn the_page_of_a_resumed_run_moves_from_the_beginning() {
-    let folder = Folder::new("frames");
+    let folder = Folder(tempfile::tempdir().unwrap());
     let shorter = BODIES.replace("[0.5, 1, 1.5]", "[0.5, 1]");
     for (scene, out, more) in [
         (shorter.as_str(), "pieces", [].as_slice()),
@@ -136,7 +120,7 @@ fn the_page_of_a_resumed_run_moves_from_the_beginning() {
         assert!(ran.status.success(), "{ran:?}");
     }
     let motion = |out: &str| {
-        let html = folder.text(format!("{out}/index.html"));
+        let html = std::fs::read_to_string(folder.join(out).join("index.html")).unwrap();
         let lines = html.lines().filter(|line| line.contains("t = 0.5 us"));
         lines.map(str::to_owned).collect::<Vec<_>>()
     };

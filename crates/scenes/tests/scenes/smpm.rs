@@ -1,60 +1,29 @@
-//! A complete run of a small scene, and its errors one by one.
+//! Complete runs of small scenes of bodies, and what they resume from.
 
 use std::path::{Path, PathBuf};
 
 use scenes::checkpoint::{CheckpointError, Reason, Start};
-use scenes::{ALL, EnsemblePart, Options, Progress, RunError, run};
+use scenes::{Options, RunError};
 use serde_json::Value;
-use tempfile::TempDir;
 use twox_hash::XxHash64;
 
+use crate::harness::{Ran, changed, checkpoints, mistake_of, no_shard_is_refused_first, result_in};
+
 /// A steel plate impacts a wall, in uniaxial strain.
-const PLATE: &str = r#"{
-  "solver": "smpm",
-  "title": "Plate impact",
-  "units": "cm_g_us",
-  "dimension": 1,
-  "grid": { "cell": 0.1, "particles_per_cell": 2 },
-  "scheme": { "shape": "cubic_b_spline", "transfer": "apic", "viscosity": { "quadratic": 1.5, "linear": 1 } },
-  "boundaries": [{ "axis": 1, "position": 0, "side": "above", "kind": "symmetry" }],
-  "materials": { "steel": { "equation": { "mie_gruneisen": { "library": "steel" } } } },
-  "bodies": [
-    { "name": "plate", "material": "steel", "shape": { "box": { "from": [0], "to": [3] } }, "velocity": [-0.1] }
-  ],
-  "random": [{ "parameter": "steel.equation.s1", "law": "normal", "coefficient_of_variation": 0.05 }],
-  "method": "propagated",
-  "gauges": [{ "name": "wake", "body": "plate", "within": [[0.2], [1.2]] }],
-  "quantities": ["pressure", "density"],
-  "times": [3, 4, [3, 4]],
-  "levels": { "pressure": [0.475, 0.9] },
-  "fields": true
-}"#;
+const PLATE: &str = include_str!("../small/smpm/impact.json");
 
-fn run_text(text: &str) -> (TempDir, Result<Vec<PathBuf>, RunError>) {
-    let folder = tempfile::tempdir().unwrap();
-    let scene = folder.path().join("scene.json");
-    std::fs::write(&scene, text).unwrap();
-    let result = run(ALL, &scene, &Options::new(folder.path().join("out")), &Progress::silent());
-    (folder, result.map(|it| it.files))
-}
-
-/// Runs again into the same folder.
-fn again(folder: &Path, text: &str, start: Start) -> Result<Vec<PathBuf>, RunError> {
-    let scene = folder.join("scene.json");
-    std::fs::write(&scene, text).unwrap();
-    let options = Options { start, ..Options::new(folder.join("out")) };
-    run(ALL, &scene, &options, &Progress::silent()).map(|it| it.files)
+/// The plate by a method, without fields.
+fn by(method: &str) -> String {
+    changed(PLATE, &[("'propagated'", method), ("'fields': true", "'fields': false")])
 }
 
 fn gauges(out: &Path) -> Value {
-    let text = std::fs::read_to_string(out.join("result.json")).unwrap();
-    serde_json::from_str::<Value>(&text).unwrap()["gauges"].take()
+    result_in(out)["gauges"].take()
 }
 
-const CHECKPOINTS: [&str; 2] = ["checkpoint-0.bin", "checkpoint-1.bin"];
-
-fn checkpoints(out: &Path) -> [Option<Vec<u8>>; 2] {
-    CHECKPOINTS.map(|name| std::fs::read(out.join(name)).ok())
+/// The values of the first quantity at the first gauge, of which the last is over a window.
+fn over_window(ran: &Ran) -> Value {
+    ran.result()["gauges"][0]["quantities"][0]["values"][2].take()
 }
 
 /// A result and the bytes of its fields.
@@ -75,27 +44,24 @@ const LONGER: &str = "[3, 4, [3, 4], [4, 5], 4.5]";
 #[test]
 fn a_longer_scene_goes_on_from_a_shorter_one_by_every_method_without_samples() {
     let methods = [
-        "\"propagated\"",
-        "\"deterministic\"",
-        "{ \"frozen\": {} }",
-        "{ \"finite_difference\": { \"step\": 0.01 } }",
-        "\"sigma_points\"",
+        "'propagated'",
+        "'deterministic'",
+        "{ 'frozen': {} }",
+        "{ 'finite_difference': { 'step': 0.01 } }",
+        "'sigma_points'",
     ];
     for method in methods {
-        let of = |times: &str| PLATE.replace("\"propagated\"", method).replace(TIMES, times);
-        let (whole, written) = run_text(&of(LONGER));
-        written.unwrap();
-        let (folder, written) = run_text(&of(TIMES));
-        written.unwrap();
-        let (out, short) = (folder.path().join("out"), gauges(&folder.path().join("out")));
-        again(folder.path(), &of(LONGER), Start::GoOn).unwrap();
-        assert_eq!(all_of(&out), all_of(&whole.path().join("out")), "{method}");
+        let of = |times: &str| changed(PLATE, &[("'propagated'", method), (TIMES, times)]);
+        let whole = Ran::of(&of(LONGER));
+        let ran = Ran::of(&of(TIMES));
+        let (out, short) = (ran.out(), gauges(&ran.out()));
+        ran.resume(&of(LONGER)).unwrap();
+        assert_eq!(all_of(&out), all_of(&whole.out()), "{method}");
         let kept = checkpoints(&out);
-        again(folder.path(), &of(TIMES), Start::GoOn).unwrap();
+        ran.resume(&of(TIMES)).unwrap();
         assert_eq!((gauges(&out), checkpoints(&out)), (short, kept), "{method}");
-        let error = again(folder.path(), &of("[3.5, 4]"), Start::GoOn).unwrap_err();
-        let RunError::Scene(error) = error else { panic!("{error}") };
-        let mistake = error.mistake().unwrap();
+        let error = ran.resume(&of("[3.5, 4]")).unwrap_err();
+        let mistake = mistake_of(&error);
         assert_eq!(mistake.path, "times");
         assert!(mistake.help.as_deref().is_some_and(|help| help.contains("--overwrite")));
     }
@@ -103,13 +69,12 @@ fn a_longer_scene_goes_on_from_a_shorter_one_by_every_method_without_samples() {
 
 #[test]
 fn a_frame_that_is_gone_is_missed_by_its_name() {
-    let (folder, written) = run_text(PLATE);
-    written.unwrap();
-    std::fs::remove_file(folder.path().join("out/fields/fields-0000.vtu")).unwrap();
-    let error = again(folder.path(), PLATE, Start::GoOn).unwrap_err();
+    let ran = Ran::of(PLATE);
+    std::fs::remove_file(ran.out().join("fields/fields-0000.vtu")).unwrap();
+    let error = ran.resume(PLATE).unwrap_err();
     let RunError::Solver(error) = error else { panic!("{error}") };
     assert!(error.to_string().contains("fields-0000.vtu"), "{error}");
-    again(folder.path(), PLATE, Start::Overwrite).unwrap();
+    ran.again(&Options { start: Start::Overwrite, ..ran.options("out") }).unwrap();
 }
 
 /// The content follows eight letters and its length; its hash follows the content.
@@ -122,19 +87,17 @@ fn with_right_hash(mut bytes: Vec<u8>) -> Vec<u8> {
 
 #[test]
 fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in_a_panic() {
-    let text = PLATE.replace("\"fields\": true", "\"fields\": false");
-    let text = text.replace("\"propagated\"", "\"deterministic\"");
-    let (folder, written) = run_text(&text);
-    written.unwrap();
-    let out = folder.path().join("out");
-    let newest = checkpoints(&out).into_iter().flatten().max_by_key(Vec::len);
+    let text = by("'deterministic'");
+    let ran = Ran::of(&text);
+    let newest = checkpoints(&ran.out()).into_iter().max_by_key(Vec::len);
     let newest = &newest.expect("a run leaves a checkpoint at its end");
+    let longer = changed(&text, &[(TIMES, LONGER)]);
     let resume = |bytes: &[u8]| {
-        for name in CHECKPOINTS {
-            std::fs::write(out.join(name), bytes).unwrap();
+        for name in ["checkpoint-0.bin", "checkpoint-1.bin"] {
+            std::fs::write(ran.out().join(name), bytes).unwrap();
         }
         // The final state is not restored: more steps follow.
-        again(folder.path(), &text.replace(TIMES, LONGER), Start::GoOn)
+        ran.resume(&longer)
     };
     let refused = |bytes: &[u8]| {
         let error = resume(bytes).unwrap_err();
@@ -146,7 +109,7 @@ fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in
     flipped[newest.len() / 2] ^= 4;
     assert!(matches!(refused(&flipped), Reason::Damaged { .. }));
     resume(newest).unwrap();
-    let whole = gauges(&out);
+    let whole = gauges(&ran.out());
     let (mut n_refused, mut n_same, mut n_other) = (0, 0, 0);
     for place in (16..newest.len() - 16).step_by(newest.len() / 61) {
         for word in [f64::NAN.to_bits(), u64::MAX] {
@@ -154,7 +117,7 @@ fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in
             forged[place..place + 8].copy_from_slice(&word.to_le_bytes());
             match resume(&with_right_hash(forged)) {
                 Err(_) => n_refused += 1,
-                Ok(_) if gauges(&out) == whole => n_same += 1,
+                Ok(_) if gauges(&ran.out()) == whole => n_same += 1,
                 Ok(_) => n_other += 1,
             }
         }
@@ -165,37 +128,25 @@ fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in
 
 /// A method by eight replicas of scrambled Sobol' points.
 fn quasi(method: &str, points: u64, further: &str) -> String {
-    format!("{{ \"{method}\": {{ \"points\": {points}, \"replicas\": 8, \"seed\": 1{further} }} }}")
+    format!("{{ '{method}': {{ 'points': {points}, 'replicas': 8, 'seed': 1{further} }} }}")
 }
 
 #[test]
 fn sobol_indices_by_two_methods_are_those_of_the_hugoniot_and_more_points_continue_a_run() {
-    let two = PLATE.replace(
-        "\"random\": [",
-        "\"random\": [{ \"parameter\": \"steel.equation.sound_speed\", \"law\": \"normal\", \"coefficient_of_variation\": 0.02 }, ",
-    );
-    let of = |method: &str| {
-        two.replace("\"propagated\"", method).replace("\"fields\": true", "\"fields\": false")
-    };
-    let shares = |out: &Path| gauges(out)[0]["quantities"][0]["values"][2]["sobol_indices"].take();
+    let speed = "'random': [{ 'parameter': 'steel.equation.sound_speed', 'law': 'normal', 'coefficient_of_variation': 0.02 }, ";
+    let of = |method: &str| changed(&by(method), &[("'random': [", speed)]);
     let number = |share: &Value, key: &str| share[key].as_f64().unwrap();
     // p = rho_0 (C + S_1 u) u: variances as the squares of 0.02 C and 0.05 S_1 u.
     let (by_c, by_s) = ((0.02 * 0.457_f64).powi(2), (0.05 * 1.49 * 0.1_f64).powi(2));
     let exact = [by_c / (by_c + by_s), by_s / (by_c + by_s)];
-    let (folder, written) = run_text(&of(&quasi("sobol_indices", 4, "")));
-    written.unwrap();
-    let out = folder.path().join("out");
-    again(folder.path(), &of(&quasi("sobol_indices", 8, "")), Start::GoOn).unwrap();
-    let continued = gauges(&out);
-    let (anew, written) = run_text(&of(&quasi("sobol_indices", 8, "")));
-    written.unwrap();
-    assert_eq!(continued, gauges(&anew.path().join("out")));
-    let fitted = of(&quasi("quasi_monte_carlo", 8, ", \"control\": true"));
-    let (of_fit, written) = run_text(&fitted);
-    written.unwrap();
+    let of_design = Ran::of(&of(&quasi("sobol_indices", 4, "")));
+    of_design.resume(&of(&quasi("sobol_indices", 8, ""))).unwrap();
+    let anew = Ran::of(&of(&quasi("sobol_indices", 8, "")));
+    assert_eq!(gauges(&of_design.out()), gauges(&anew.out()));
+    let of_fit = Ran::of(&of(&quasi("quasi_monte_carlo", 8, ", 'control': true")));
     // 64 points: the design knows indices to a tenth, the polynomial much better.
-    for (out, largest) in [(out, 0.25), (of_fit.path().join("out"), 0.02)] {
-        let shares = shares(&out);
+    for (ran, largest) in [(of_design, 0.25), (of_fit, 0.02)] {
+        let shares = &over_window(&ran)["sobol_indices"];
         for (k, exact) in exact.into_iter().enumerate() {
             for index in ["first", "total"] {
                 let value = number(&shares[k], index);
@@ -211,26 +162,20 @@ fn sobol_indices_by_two_methods_are_those_of_the_hugoniot_and_more_points_contin
 #[test]
 fn a_scene_runs_to_its_end_by_every_method() {
     let methods = [
-        ("\"propagated\"", true),
-        ("\"deterministic\"", false),
-        ("{ \"frozen\": {} }", true),
-        ("{ \"finite_difference\": { \"step\": 0.01 } }", true),
-        ("{ \"forward_difference\": { \"step\": 0.01 } }", true),
-        ("\"sigma_points\"", true),
-        ("{ \"monte_carlo\": { \"samples\": 20, \"seed\": 1, \"control\": true } }", true),
-        (&quasi("quasi_monte_carlo", 2, ", \"control\": true"), true),
-        (&quasi("quasi_monte_carlo", 4, ", \"control\": false"), true),
+        ("'propagated'", true),
+        ("'deterministic'", false),
+        ("{ 'frozen': {} }", true),
+        ("{ 'finite_difference': { 'step': 0.01 } }", true),
+        ("{ 'forward_difference': { 'step': 0.01 } }", true),
+        ("'sigma_points'", true),
+        ("{ 'monte_carlo': { 'samples': 20, 'seed': 1, 'control': true } }", true),
+        (&quasi("quasi_monte_carlo", 2, ", 'control': true"), true),
+        (&quasi("quasi_monte_carlo", 4, ", 'control': false"), true),
         (&quasi("sobol_indices", 4, ""), true),
-        ("{ \"multilevel\": { \"tolerance\": 0.06, \"seed\": 1 } }", true),
+        ("{ 'multilevel': { 'tolerance': 0.06, 'seed': 1 } }", true),
     ];
     for (method, varies) in methods {
-        let text = PLATE.replace("\"propagated\"", method);
-        let (_folder, written) = run_text(&text);
-        let written = written.unwrap();
-        assert!(written.iter().all(|path| path.exists()), "{written:?}");
-        let result = std::fs::read_to_string(&written[0]).unwrap();
-        let result: Value = serde_json::from_str(&result).unwrap();
-        let pressure = &result["gauges"][0]["quantities"][0]["values"][2];
+        let pressure = over_window(&Ran::of(&changed(PLATE, &[("'propagated'", method)])));
         // p = rho_0 (C + S_1 u) u within one per cent, and its deviation 5 % of rho_0 S_1 u^2; the frozen one twice
         // that.
         let mean = pressure["mean"].as_f64().unwrap();
@@ -245,25 +190,22 @@ fn a_scene_runs_to_its_end_by_every_method() {
     }
 }
 
+/// A number of samples without a control variate.
+fn sampled(n: u64) -> String {
+    by(&format!("{{ 'monte_carlo': {{ 'samples': {n}, 'seed': 1, 'control': false }} }}"))
+}
+
 #[test]
 fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost() {
-    let of = |samples: u64| {
-        let method = format!(
-            "{{ \"monte_carlo\": {{ \"samples\": {samples}, \"seed\": 1, \"control\": false }} }}"
-        );
-        PLATE.replace("\"propagated\"", &method).replace("\"fields\": true", "\"fields\": false")
-    };
-    let (folder, written) = run_text(&of(20));
-    written.unwrap();
-    let out = folder.path().join("out");
+    let ran = Ran::of(&sampled(20));
+    let out = ran.out();
     let (of_all, kept) = (gauges(&out), checkpoints(&out));
-    let resume = |samples: u64| {
-        again(folder.path(), &of(samples), Start::GoOn).unwrap();
+    let resume = |n: u64| {
+        ran.resume(&sampled(n)).unwrap();
         gauges(&out)
     };
-    let (anew, written) = run_text(&of(8));
-    written.unwrap();
-    assert_eq!(resume(8), gauges(&anew.path().join("out")));
+    let anew = Ran::of(&sampled(8));
+    assert_eq!(resume(8), gauges(&anew.out()));
     assert_eq!(checkpoints(&out), kept);
     assert_eq!(resume(20), of_all);
 }
@@ -271,155 +213,18 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
 /// The plate is too fast for its equation of state, which only a run shows.
 #[test]
 fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
-    let sampled = r#"{ "monte_carlo": { "samples": 8, "seed": 1, "control": false } }"#;
-    let text = PLATE.replace("[-0.1]", "[-5]").replace("\"propagated\"", sampled);
-    let (folder, whole) = run_text(&text);
-    assert!(matches!(whole, Err(RunError::Solver(_))), "{whole:?}");
-    let file = folder.path().join("scene.json");
-    let part = EnsemblePart::Merged(vec![file.clone()]);
-    let options = Options { part, ..Options::new(folder.path().join("joined")) };
-    let joined = run(ALL, &file, &options, &Progress::silent());
-    assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");
-}
-
-fn assert_mistake((right, wrong): (&str, &str), path: &str, words: &str) {
-    assert!(PLATE.contains(right), "{right}");
-    let (_folder, result) = run_text(&PLATE.replace(right, wrong));
-    let RunError::Scene(error) = result.unwrap_err() else { panic!("{wrong}") };
-    let mistake = error.mistake().unwrap();
-    assert_eq!(mistake.path, path, "{}", mistake.message);
-    assert!(mistake.message.contains(words), "{}", mistake.message);
-}
-
-#[test]
-fn mistakes_in_gravity_and_polygons_are_shown_where_they_are() {
-    for (right, wrong, path, words) in [
-        (
-            "\"dimension\": 1",
-            "\"dimension\": 1, \"gravity_history\": [[0, 0], [1, 1]]",
-            "gravity_history",
-            "there is no `gravity`",
-        ),
-        (
-            "\"dimension\": 1",
-            "\"dimension\": 1, \"gravity\": [1], \"gravity_history\": [[1, 0], [0.5, 1]]",
-            "gravity_history[1]",
-            "must not be less than 1",
-        ),
-        (
-            "{ \"box\": { \"from\": [0], \"to\": [3] } }",
-            "{ \"polygon\": { \"corners\": [[0], [3], [2]] } }",
-            "bodies[0].shape.polygon",
-            "in two dimensions",
-        ),
-    ] {
-        assert_mistake((right, wrong), path, words);
-    }
-}
-
-#[test]
-fn mistakes_are_shown_where_they_stand() {
-    for (right, wrong, path, words) in [
-        (
-            "\"mie_gruneisen\": { \"library\": \"steel\" }",
-            "\"mie_gruneisen\": { \"library\": \"steel\", \"set\": { \"density\": -7.8 } }",
-            "materials.steel",
-            "density",
-        ),
-        (
-            "steel.equation.s1\", \"law\": \"normal\", \"coefficient_of_variation\": 0.05",
-            "steel.equation.sound_speed\", \"law\": \"normal\", \"coefficient_of_variation\": 0.4",
-            "random[0].coefficient_of_variation",
-            "chance",
-        ),
-        ("[[0.2], [1.2]]", "[[4.2], [5.2]]", "gauges[0]", "inside the body"),
-        ("steel.equation.s1", "steel.equation.s4", "random[0].parameter", "s4"),
-        ("\"pressure\", \"density\"", "\"presure\", \"density\"", "quantities[0]", "presure"),
-        ("\"axis\": 1", "\"axis\": 2", "boundaries[0].axis", "axis 2"),
-        ("[3, 4, [3, 4]]", "[3, 4, [4, 3]]", "times", "window"),
-        ("\"dimension\": 1", "\"dimension\": 1, \"gravity\": [0, 0]", "gravity", "2 coordinates"),
-        ("\"from\": [0]", "\"from\": [0, 1]", "bodies[0].shape.box.from", "2 coordinates"),
-        (
-            "\"propagated\"",
-            &quasi("sobol_indices", 12, ""),
-            "method.sobol_indices.points",
-            "12 Sobol' points, must be a power of two",
-        ),
-        (
-            "\"propagated\"",
-            &quasi("quasi_monte_carlo", 4, ", \"control\": true").replace(": 8", ": 4"),
-            "method.quasi_monte_carlo.replicas",
-            "4 replicas, at least 8 needed",
-        ),
-    ] {
-        assert_mistake((right, wrong), path, words);
-    }
-}
-
-/// Two bodies in the plane, one of which burns.
-const CHARGE: &str = r#"{
-  "solver": "smpm",
-  "title": "Charge and plate",
-  "units": "cm_g_us",
-  "dimension": 2,
-  "grid": { "cell": 0.5, "particles_per_cell": 2 },
-  "materials": {
-    "tnt": { "equation": { "jwl": { "library": "tnt" } }, "detonation": { "point": [0, 1], "cells": 2 } },
-    "steel": { "equation": { "mie_gruneisen": { "library": "steel" } } }
-  },
-  "bodies": [
-    { "name": "charge", "material": "tnt", "shape": { "box": { "from": [0, 0], "to": [2, 2] } } },
-    { "name": "plate", "material": "steel", "shape": { "box": { "from": [2, 0], "to": [3, 2] } } }
-  ],
-  "method": "deterministic",
-  "gauges": [
-    { "name": "near", "body": "plate", "at": [2.25, 1] },
-    { "name": "far", "body": "plate", "at": [2.75, 1] }
-  ],
-  "quantities": ["pressure"],
-  "times": [0.1]
-}"#;
-
-#[test]
-fn bodies_that_cannot_be_are_refused_before_anything_runs() {
-    for (from, to, path, part) in [
-        (
-            "\"from\": [2, 0], \"to\": [3, 2]",
-            "\"from\": [1.5, 0], \"to\": [3, 2]",
-            "bodies[1].shape",
-            "overlap: 16 of the 48 particles of `plate` lie in `charge`",
-        ),
-        ("\"name\": \"plate\"", "\"name\": \"charge\"", "bodies[1].name", "another body `charge`"),
-        ("\"name\": \"far\"", "\"name\": \"near\"", "gauges[1].name", "another gauge `near`"),
-        (
-            "\"point\": [0, 1]",
-            "\"point\": [4, 1]",
-            "materials.tnt.detonation.point",
-            "the nearest particle is 2.125 away",
-        ),
-    ] {
-        assert!(CHARGE.contains(from));
-        let (_folder, written) = run_text(&CHARGE.replacen(from, to, 1));
-        let error = written.unwrap_err();
-        let RunError::Scene(error) = error else { panic!("{error}") };
-        let mistake = error.mistake().unwrap();
-        assert_eq!(mistake.path, path);
-        assert!(mistake.message.contains(part), "{}", mistake.message);
-    }
+    no_shard_is_refused_first(&Ran::of(&changed(&sampled(8), &[("[-0.1]", "[-5]")])));
 }
 
 #[test]
 fn a_size_off_the_lattice_is_noted_in_the_result() {
+    let charge = include_str!("../small/smpm/charge.json");
     for (to, notes) in [
-        ("[3, 2]", 0),
+        ("'to': [3, 2]", 0),
         // 4.8 and 8.4 spacings: five and eight are filled.
-        ("[3.2, 2.1]", 2),
+        ("'to': [3.2, 2.1]", 2),
     ] {
-        let text = CHARGE.replacen("\"to\": [3, 2]", &format!("\"to\": {to}"), 1);
-        let (folder, written) = run_text(&text);
-        written.unwrap();
-        let result = std::fs::read_to_string(folder.path().join("out/result.json")).unwrap();
-        let result: Value = serde_json::from_str(&result).unwrap();
+        let result = Ran::of(&changed(charge, &[("'to': [3, 2]", to)])).result();
         let noted = result["notes"].as_array().map_or(&[][..], Vec::as_slice);
         assert_eq!(noted.len(), notes);
         if notes > 0 {

@@ -3,7 +3,7 @@
 use perturbation_moments::{Estimate, Uncertainty};
 use result_figures::number::short;
 use serde::Serialize;
-use smpm::uncertainty::{Sampled, Series, Switch, exceedance_of_normal};
+use smpm::uncertainty::{Series, Switch, exceedance_of_normal};
 use smpm::{Error, Plan, Window};
 
 use crate::scene::{RandomScene, SmpmScene};
@@ -168,48 +168,30 @@ impl<const D: usize> Table<'_, D> {
         self.centre.iter().enumerate().map(start).collect()
     }
 
+    /// The levels of the quantity of a response.
     pub(super) fn levels(&self, response: usize) -> &[f64] {
         let (_, quantity, _) = self.plan.parts(response);
         let name = self.plan.quantities[quantity].to_string();
         self.scene.levels.get(&name).map_or(&[], Vec::as_slice)
     }
 
-    /// With moments of samples, and the shares of them that exceed levels.
-    pub(super) fn sampled(
+    /// With estimates of moments, and of the probabilities of its levels with how they are known.
+    pub(super) fn estimated(
         &self,
         i: usize,
         response: Response,
-        sampled: &Sampled,
         (mean, variance): (&Estimate, &Estimate),
+        (by, chances): (&'static str, impl Iterator<Item = Result<Estimate, Error>>),
     ) -> Result<Response, Error> {
         let mut response = response.with_moments(mean.value, variance.value);
         response.mean_standard_error = error_of(mean);
         response.variance_standard_error = error_of(variance);
-        for &level in self.levels(i) {
-            let chance = sampled.exceedance(i, level)?;
+        for (&level, chance) in self.levels(i).iter().zip(chances) {
+            let chance = chance?;
             let (probability, standard_error) = (chance.value, error_of(&chance));
-            response.exceedance.push(Chance { level, probability, standard_error, by: "count" });
+            response.exceedance.push(Chance { level, probability, standard_error, by });
         }
         Ok(response)
-    }
-
-    /// With estimates of moments and of the probabilities of its levels.
-    pub(super) fn estimated<'b>(
-        &self,
-        i: usize,
-        response: Response,
-        (mean, variance): (&Estimate, &Estimate),
-        chances: impl Iterator<Item = &'b Estimate>,
-    ) -> Response {
-        let mut response = response.with_moments(mean.value, variance.value);
-        response.mean_standard_error = error_of(mean);
-        response.variance_standard_error = error_of(variance);
-        let chance = |(&level, chance): (&f64, &Estimate)| {
-            let (probability, standard_error) = (chance.value, error_of(chance));
-            Chance { level, probability, standard_error, by: "differences" }
-        };
-        response.exceedance = self.levels(i).iter().zip(chances).map(chance).collect();
-        response
     }
 
     /// Sobol' indices by parameter; those of a polynomial leave a part of the variance unexplained.

@@ -168,7 +168,9 @@ fn of_samples<const D: usize>(
             let indices = sampled.sobol_indices(i)?;
             shares = table.shares(&indices.first, &indices.total, None);
         }
-        let response = table.sampled(i, response, sampled, (&found.mean, &found.variance))?;
+        let chances = table.levels(i).iter().map(|&level| sampled.exceedance(i, level));
+        let moments = (&found.mean, &found.variance);
+        let response = table.estimated(i, response, moments, ("count", chances))?;
         Ok(Response { sobol_indices: shares, ..response })
     })
 }

@@ -5,14 +5,15 @@ use scene_runs::scene::Objection;
 use smpm::Error;
 
 /// Error of a scene.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
 pub(super) enum SolveError {
     /// The solver rejected its input or stopped.
-    Solver(Error),
+    Solver(#[from] Error),
     /// Error outside the solver.
-    Run(RunError),
+    Run(#[from] RunError),
     /// A key of the scene.
-    Scene(Objection),
+    Scene(#[from] Objection),
 }
 
 impl SolveError {
@@ -23,23 +24,5 @@ impl SolveError {
             Self::Run(error) => error,
             Self::Scene(objection) => RunError::solver(objection),
         }
-    }
-}
-
-impl From<Error> for SolveError {
-    fn from(error: Error) -> Self {
-        Self::Solver(error)
-    }
-}
-
-impl From<Objection> for SolveError {
-    fn from(objection: Objection) -> Self {
-        Self::Scene(objection)
-    }
-}
-
-impl From<RunError> for SolveError {
-    fn from(error: RunError) -> Self {
-        Self::Run(error)
     }
 }

@@ -6,7 +6,8 @@ use scene_runs::answers::Number;
 use scene_runs::report::{Report, cell, chart, given_cell, number_cells, short_cell, table};
 
 use super::posterior_record::{Bin, Correlation, ParameterRecord};
-use super::record::{BandRecord, ComparedRecord, Content, Fit};
+use super::predictive::{Band, Compared};
+use super::record::{Content, Fit};
 use crate::crack_inference::scene::{InferenceScene, ScaleScene};
 use crate::sources::{OHAGAN_2006, PARKS_2008, VEHTARI_2021, WOOD_2010};
 
@@ -95,7 +96,7 @@ fn notes(content: &Content) -> Vec<Note> {
 
 fn charts(scene: &InferenceScene, content: &Content, report: &mut Report) {
     if content.predictive.path.len() > 1 {
-        let series = |name: &str, of: fn(&BandRecord) -> &Number| Series {
+        let series = |name: &str, of: fn(&Band) -> &Number| Series {
             name: name.to_owned(),
             points: content.predictive.path.iter().map(|at| of(&at.band).point(at.x)).collect(),
         };
@@ -182,7 +183,7 @@ fn tables_of_posterior(content: &Content, report: &mut Report) {
 
 /// The prediction beside the plates, and the fit of the likelihood.
 fn tables_of_model(content: &Content, report: &mut Report) {
-    let row = |it: &ComparedRecord| {
+    let row = |it: &Compared| {
         let numbers = [&it.band.low, &it.band.median, &it.band.high, &it.inside]
             .into_iter()
             .flat_map(number_cells);

@@ -5,7 +5,7 @@ use scene_runs::kind::RunError;
 use scene_runs::machine::Machine;
 
 use super::posterior_record::{Bin, ParameterRecord};
-use super::record::PathBand;
+use super::predictive::PathBand;
 use crate::crack_inference::measured::MeasuredPlate;
 
 /// Millimetres per metre.

@@ -9,6 +9,8 @@ use scene_runs::kind::RunError;
 use sde_integrators::{Estimate, Uncertainty, normal_probability};
 use serde::Serialize;
 
+use crate::run::Quantile;
+
 /// Bins of a marginal distribution, of equal width on the scale of the parameter.
 const BINS: usize = 24;
 
@@ -31,14 +33,6 @@ pub(super) struct ParameterRecord {
     /// emulators has it in the width of the posterior.
     pub(super) error_of_ensembles: f64,
     pub(super) marginal: Vec<Bin>,
-}
-
-/// A quantile.
-#[derive(Debug, Serialize)]
-pub(super) struct Quantile {
-    pub(super) probability: f64,
-    #[serde(flatten)]
-    pub(super) number: Number,
 }
 
 /// Densities in an interval of a parameter.
@@ -71,23 +65,17 @@ pub(super) fn parameters(
     let errors = emulator
         .error_of_means(&posterior.thinned(DRAWS).map_err(RunError::solver)?, data)
         .map_err(RunError::solver)?;
-    let of = |(i, of): (usize, &ParameterPosterior)| {
-        let quantile = |(&probability, &estimate): (&f64, &Estimate)| Quantile {
-            probability,
-            number: estimate.into(),
-        };
-        ParameterRecord {
-            key: of.name.clone(),
-            mean: of.mean.into(),
-            standard_deviation: of.standard_deviation.into(),
-            quantiles: POSTERIOR_QUANTILES.iter().zip(&of.quantiles).map(quantile).collect(),
-            contraction: of.contraction.into(),
-            is_identified: of.verdict == Verdict::Identified,
-            r_hat: of.r_hat,
-            effective_sample_size: of.effective_sample_size,
-            error_of_ensembles: errors[i],
-            marginal: marginal(&space.parameters()[i], posterior, i),
-        }
+    let of = |(i, of): (usize, &ParameterPosterior)| ParameterRecord {
+        key: of.name.clone(),
+        mean: of.mean.into(),
+        standard_deviation: of.standard_deviation.into(),
+        quantiles: Quantile::all(&POSTERIOR_QUANTILES, &of.quantiles),
+        contraction: of.contraction.into(),
+        is_identified: of.verdict == Verdict::Identified,
+        r_hat: of.r_hat,
+        effective_sample_size: of.effective_sample_size,
+        error_of_ensembles: errors[i],
+        marginal: marginal(&space.parameters()[i], posterior, i),
     };
     Ok(posterior.parameters().iter().enumerate().map(of).collect())
 }

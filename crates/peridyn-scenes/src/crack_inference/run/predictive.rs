@@ -3,31 +3,49 @@
 use crack_inference::Summaries;
 use peridyn_sde::statistics::{CrackRecord, SummaryConfig};
 use peridyn_sde::{CrackPath, Error};
+use scene_runs::answers::Number;
+use scene_runs::kind::RunError;
 use sde_integrators::{Estimate, Noise, Purpose, Uncertainty};
+use serde::Serialize;
 
 use super::ensembles::Ended;
-use crate::crack_inference::measured::{SummaryError, summaries};
+use crate::crack_inference::measured::summaries;
+use crate::run::rank;
 
 /// Probabilities of the ends of a band and of its middle.
-pub(super) const BAND: [f64; 3] = [0.05, 0.5, 0.95];
+const BAND: [f64; 3] = [0.05, 0.5, 0.95];
 
-/// Statistics of the predicted values of one number of a plate.
-#[derive(Debug, Clone, PartialEq)]
+/// Predicted values of one number of a plate.
+#[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Band {
     /// Number of values.
-    pub(super) n: usize,
-    /// Quantiles at [`BAND`], with the errors that finite draws and realisations leave.
-    pub(super) quantiles: [Estimate; 3],
+    values: usize,
+    /// The quantile of 5 %, with the error that finite draws and realisations leave.
+    pub(super) low: Number,
+    pub(super) median: Number,
+    /// The quantile of 95 %.
+    pub(super) high: Number,
 }
 
 /// A summary of the measured plates beside its prediction.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Serialize)]
 pub(super) struct Compared {
+    pub(super) summary: String,
+    /// Share of the measured values inside the band.
+    pub(super) inside: Number,
+    #[serde(flatten)]
     pub(super) band: Band,
-    /// Number of measured values inside the band.
-    pub(super) inside: u64,
-    /// Number of measured values.
-    pub(super) plates: u64,
+    /// Number of measured values inside the band, and of all.
+    #[serde(skip)]
+    counts: [u64; 2],
+}
+
+/// Predicted heights of the crack at an abscissa.
+#[derive(Debug, Serialize)]
+pub(super) struct PathBand {
+    pub(super) x: f64,
+    #[serde(flatten)]
+    pub(super) band: Band,
 }
 
 /// Plates at draws of the posterior, measured with the errors of the measured ones.
@@ -44,8 +62,12 @@ pub(super) struct Predicted<'a> {
 }
 
 impl Predicted<'_> {
-    /// Each summary of the measured plates beside its predicted band.
-    pub(super) fn compare(&self, measured: &Summaries) -> Result<Vec<Compared>, SummaryError> {
+    /// Each summary of the measured plates, by its name, beside its predicted band.
+    pub(super) fn compare(
+        &self,
+        measured: &Summaries,
+        names: &[String],
+    ) -> Result<Vec<Compared>, RunError> {
         let k = measured.n_summaries();
         // The values by summary, draw and realisation.
         let mut values = vec![Vec::new(); k];
@@ -66,16 +88,19 @@ impl Predicted<'_> {
         }
         let compared = |(i, values): (usize, &Vec<Vec<f64>>)| {
             let band = band(values)?;
-            let [low, _, high] = band.quantiles.map(|quantile| quantile.value);
-            let inside = measured.rows().filter(|row| (low..=high).contains(&row[i])).count();
-            let plates = measured.n_realisations() as u64;
-            Some(Compared { band, inside: inside as u64, plates })
+            let inside = |row: &&[f64]| (band.low.value..=band.high.value).contains(&row[i]);
+            let counts @ [inside, plates] =
+                [measured.rows().filter(inside).count(), measured.n_realisations()]
+                    .map(|count| count as u64);
+            let inside = Estimate::probability(inside, plates).map_err(RunError::solver);
+            let summary = names[i].clone();
+            Some(inside.map(|inside| Compared { summary, inside: inside.into(), band, counts }))
         };
-        Ok(values.iter().enumerate().filter_map(compared).collect())
+        values.iter().enumerate().filter_map(compared).collect()
     }
 
     /// Bands of the height of the crack at abscissae that at least half of the cracks come to.
-    pub(super) fn heights(&self, abscissae: &[f64]) -> Result<Vec<(f64, Band)>, Error> {
+    pub(super) fn heights(&self, abscissae: &[f64]) -> Result<Vec<PathBand>, Error> {
         let mut values = vec![Vec::new(); abscissae.len()];
         let mut n_cracks = 0;
         for ended in self.ensembles {
@@ -91,9 +116,9 @@ impl Predicted<'_> {
                 values.push(of_draw);
             }
         }
-        let bands =
-            abscissae.iter().zip(&values).filter_map(|(&x, values)| Some((x, band(values)?)));
-        Ok(bands.filter(|(_, band)| 2 * band.n >= n_cracks).collect())
+        let bands = abscissae.iter().zip(&values);
+        let bands = bands.filter_map(|(&x, values)| Some(PathBand { x, band: band(values)? }));
+        Ok(bands.filter(|at| 2 * at.band.values >= n_cracks).collect())
     }
 
     /// Standard normals of a realisation.
@@ -118,9 +143,8 @@ fn heights(record: &CrackRecord, abscissae: &[f64]) -> Result<Vec<Option<f64>>, 
 /// Its error is that of as many independent values as there are plates, since the values of one plate depend on each other; for none
 /// or all inside it is the bound `3/P`.
 pub(super) fn share(compared: &[Compared]) -> Option<Estimate> {
-    let plates = compared.iter().map(|it| it.plates).min()? as f64;
-    let (inside, all) =
-        compared.iter().fold((0, 0), |(inside, all), it| (inside + it.inside, all + it.plates));
+    let plates = compared.iter().map(|it| it.counts[1]).min()? as f64;
+    let [inside, all] = [0, 1].map(|k| compared.iter().map(|it| it.counts[k]).sum::<u64>());
     let value = inside as f64 / all as f64;
     let uncertainty = if inside == 0 || inside == all {
         Uncertainty::Bound((3.0 / plates).min(1.0))
@@ -151,17 +175,15 @@ fn band(by_draw: &[Vec<f64>]) -> Option<Band> {
         let uncertainty = error.map_or(Uncertainty::Unknown, Uncertainty::StandardError);
         Estimate { value: all[k], uncertainty }
     };
-    let n = by_draw.iter().map(Vec::len).sum();
-    Some(Band { n, quantiles: [quantile(0), quantile(1), quantile(2)] })
+    let [low, median, high] = [0, 1, 2].map(|k| quantile(k).into());
+    Some(Band { values: by_draw.iter().map(Vec::len).sum(), low, median, high })
 }
 
-/// The values of rank `ceil(n p)`; none without values.
+/// Quantiles at [`BAND`]; none without values.
 fn quantiles<'a>(values: impl Iterator<Item = &'a Vec<f64>>) -> Option<[f64; 3]> {
     let mut all: Vec<f64> = values.flatten().copied().collect();
     all.sort_unstable_by(f64::total_cmp);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to n")]
-    let rank = |p: f64| (all.len() as f64 * p).ceil().max(1.0) as usize;
-    let [low, middle, high] = BAND.map(|p| all.get(rank(p) - 1).copied());
+    let [low, middle, high] = BAND.map(|p| rank(&all, p));
     Some([low?, middle?, high?])
 }
 
@@ -173,21 +195,26 @@ mod tests {
     fn a_band_has_the_quantiles_of_all_draws_and_the_error_of_leaving_one_out() {
         let by_draw: Vec<Vec<f64>> =
             (0..5).map(|draw| (0..20).map(|k| f64::from(5 * k + draw)).collect()).collect();
-        let band = band(&by_draw).unwrap();
+        let Band { values, low, median, high } = band(&by_draw).unwrap();
         // 0 to 99: ranks 5, 50 and 95.
-        assert_eq!((band.n, band.quantiles.map(|q| q.value)), (100, [4.0, 49.0, 94.0]));
+        assert_eq!((values, [low, median, high].map(|it| it.value)), (100, [4.0, 49.0, 94.0]));
         // Without draw 4 the value of rank 4 of 80 is 3; without another one it is 4.
-        let error = band.quantiles[0].standard_error().unwrap();
+        let error = low.error.unwrap();
         let expected = (0.8 * (4.0 * 0.2_f64.powi(2) + 0.8_f64.powi(2))).sqrt();
         assert!((error - expected).abs() < 1e-12, "{error}");
-        assert_eq!(super::band(&[vec![], vec![]]), None);
+        assert!(band(&[vec![], vec![]]).is_none());
     }
 
     #[test]
     fn the_share_counts_plates_and_not_values() {
-        let estimate = |value| Estimate { value, uncertainty: Uncertainty::Unknown };
-        let band = Band { n: 1, quantiles: [estimate(0.0), estimate(0.5), estimate(1.0)] };
-        let of = |inside| Compared { band: band.clone(), inside, plates: 10 };
+        let number = Number::sampled(0.5, None);
+        let band = Band { values: 1, low: number, median: number, high: number };
+        let of = |inside| Compared {
+            summary: String::new(),
+            inside: number,
+            band,
+            counts: [inside, 10],
+        };
         let found = share(&[of(10), of(8)]).unwrap();
         assert!((found.value - 0.9).abs() < 1e-15);
         assert!((found.standard_error().unwrap() - (0.09_f64 / 10.0).sqrt()).abs() < 1e-15);

@@ -4,12 +4,11 @@ use crack_inference::{Component, ComponentFit, Emulator, Observations, Posterior
 use scene_runs::answers::Number;
 use scene_runs::kind::RunError;
 use scene_runs::scene::NamedFile;
-use sde_integrators::Estimate;
 use serde::Serialize;
 
 use super::ensembles::Ended;
 use super::posterior_record::{Correlation, ParameterRecord};
-use super::predictive::{Band, Compared, share};
+use super::predictive::{Compared, PathBand};
 use crate::crack_inference::measured::MeasuredPlate;
 
 /// Keys that this kind adds to every result.
@@ -89,15 +88,7 @@ pub(super) struct MeasuredRecord {
     pub(super) plates: usize,
     /// Plates without a crack at all abscissae, which do not count.
     pub(super) without_summaries: usize,
-    pub(super) paths: Vec<MeasuredPath>,
-}
-
-/// A measured path.
-#[derive(Debug, Serialize)]
-pub(super) struct MeasuredPath {
-    plate: String,
-    points: Vec<[f64; 2]>,
-    failure_load: Option<f64>,
+    pub(super) paths: Vec<MeasuredPlate>,
 }
 
 /// Posterior prediction.
@@ -107,44 +98,9 @@ pub(super) struct PredictiveRecord {
     pub(super) draws: Vec<Vec<f64>>,
     /// Share of the measured values inside their band of 90 %.
     pub(super) share_inside: Option<Number>,
-    pub(super) summaries: Vec<ComparedRecord>,
+    pub(super) summaries: Vec<Compared>,
     /// Predicted heights of the crack.
     pub(super) path: Vec<PathBand>,
-}
-
-/// A summary with its predicted band.
-#[derive(Debug, Serialize)]
-pub(super) struct ComparedRecord {
-    pub(super) summary: String,
-    pub(super) inside: Number,
-    #[serde(flatten)]
-    pub(super) band: BandRecord,
-}
-
-/// A band at an abscissa.
-#[derive(Debug, Serialize)]
-pub(super) struct PathBand {
-    pub(super) x: f64,
-    #[serde(flatten)]
-    pub(super) band: BandRecord,
-}
-
-/// Quantiles of predicted values.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(super) struct BandRecord {
-    values: usize,
-    /// The quantile of 5 %.
-    pub(super) low: Number,
-    pub(super) median: Number,
-    /// The quantile of 95 %.
-    pub(super) high: Number,
-}
-
-impl From<&Band> for BandRecord {
-    fn from(band: &Band) -> Self {
-        let [low, median, high] = band.quantiles.map(Number::from);
-        Self { values: band.n, low, median, high }
-    }
 }
 
 impl EmulatorRecord {
@@ -195,44 +151,5 @@ fn component(names: &[String], component: Component) -> String {
         Component::Mean(i) => format!("mean of the {}", names[i]),
         Component::Slope(i, j) => format!("slope of the {} on the {}", names[i], names[j]),
         Component::LogVariance(i) => format!("logarithm of the variance of the {}", names[i]),
-    }
-}
-
-impl MeasuredRecord {
-    pub(super) fn new(plates: &[MeasuredPlate], summaries: &Summaries) -> Self {
-        let path = |plate: &MeasuredPlate| MeasuredPath {
-            plate: plate.name.clone(),
-            points: plate.path.clone(),
-            failure_load: plate.failure_load,
-        };
-        Self {
-            plates: plates.len(),
-            without_summaries: summaries.absent().total(),
-            paths: plates.iter().map(path).collect(),
-        }
-    }
-}
-
-impl PredictiveRecord {
-    pub(super) fn new(
-        draws: &[Vec<f64>],
-        names: &[String],
-        compared: &[Compared],
-        heights: &[(f64, Band)],
-    ) -> Result<Self, RunError> {
-        let record = |(summary, compared): (&String, &Compared)| {
-            let inside = Estimate::probability(compared.inside, compared.plates);
-            Ok(ComparedRecord {
-                summary: summary.clone(),
-                inside: inside.map_err(RunError::solver)?.into(),
-                band: (&compared.band).into(),
-            })
-        };
-        Ok(Self {
-            draws: draws.to_vec(),
-            share_inside: share(compared).map(Number::from),
-            summaries: names.iter().zip(compared).map(record).collect::<Result<_, RunError>>()?,
-            path: heights.iter().map(|(x, band)| PathBand { x: *x, band: band.into() }).collect(),
-        })
     }
 }

@@ -244,8 +244,9 @@ fn responses<const D: usize>(
             return Ok(response);
         };
         let (mean, variance) = (&mean.estimate, &variance.estimate);
-        let chances = chances.iter().map(|(_, chance)| &chance.estimate);
-        let mut response = table.estimated(i, response, (mean, variance), chances);
+        let chances = chances.iter().map(|(_, chance)| Ok(chance.estimate));
+        let chances = ("differences", chances);
+        let mut response = table.estimated(i, response, (mean, variance), chances)?;
         let change = of_grid
             .zip(coarser)
             .map(|(level, cell)| GridChange::new(cell, &level.differences[*place]));

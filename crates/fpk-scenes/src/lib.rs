@@ -4,7 +4,6 @@ pub mod building;
 pub mod density;
 mod keys;
 pub mod monte_carlo;
-mod path_blocks;
 pub mod paths;
 pub mod plane_density;
 mod retired;

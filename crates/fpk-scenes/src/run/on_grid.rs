@@ -6,8 +6,7 @@ use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Run, RunError};
 
 use super::observed::Observed;
-use super::outcome::Outcome;
-use super::record::{WorkRecord, asked_series, moment_words};
+use super::record::{Content, WorkRecord, asked_series, moment_words};
 use crate::scene::{FpkScene, OtherDimension};
 use crate::system::System;
 
@@ -24,7 +23,7 @@ pub(super) fn solve(
     system: &System,
     run: &Run<'_>,
     config: &GridConfig,
-) -> Result<Outcome, RunError> {
+) -> Result<Content, RunError> {
     let oscillator = system.oscillator().ok_or(OtherDimension { states: 2 });
     let oscillator = oscillator.map_err(RunError::solver)?;
     let (law, asked) = (scene.initial_law::<2>(system)?, scene.requested::<2>(system, false)?);
@@ -79,7 +78,7 @@ pub(super) fn solve(
             failed.join("; ")
         ),
     });
-    Ok(Outcome { work, unknown: unknown.into_iter().collect(), quantities, ..Outcome::default() })
+    Ok(Content { work, unknown: unknown.into_iter().collect(), quantities, ..Content::default() })
 }
 
 /// A grid with fewer cells and one with fewer steps, and the divisors of their differences.

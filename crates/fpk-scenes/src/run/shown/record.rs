@@ -12,7 +12,7 @@ use crate::scene::FpkScene;
 use crate::system::System;
 
 /// Keys that this kind adds to the schema `run-result/1`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(crate) struct Content {
     pub(crate) seed: Option<u64>,
     pub(crate) work: WorkRecord,

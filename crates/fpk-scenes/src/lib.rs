@@ -12,6 +12,4 @@ pub mod sources;
 pub mod system;
 
 pub(crate) use self::keys::checks;
-pub use self::keys::{
-    lattice_scene, law_scene, method_scene, scene, scheme_scene, structure_scene, system_scene,
-};
+pub use self::keys::{lattice_scene, law_scene, method_scene, scene, scheme_scene, system_scene};

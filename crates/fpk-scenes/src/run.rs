@@ -47,7 +47,8 @@ use observed::Observed;
 use outcome::{Outcome, Shown};
 use pictures::{PictureData, Pictures};
 use record::{
-    Content, Quantity, Series, WorkRecord, best_probabilities, demand_name, moment_words, series,
+    Content, Quantity, Series, WorkRecord, best_probabilities, magnitude_name, progress_words,
+    series,
 };
 use resolutions::Resolutions;
 use sampled::Sampled;
@@ -240,12 +241,9 @@ impl Solved<'_> {
     /// Reports the first moment of the scene at the last time.
     fn tell(&self, rows: &[Row], n_times: usize) {
         let Some(row) = rows.last() else { return };
-        let moment = self.scene.moments.first().zip(row.moments.first());
-        let words = moment.map_or_else(String::new, |(powers, value)| {
-            format!(", {} = {value:.5e}", moment_words(powers, self.system.states()))
-        });
         let done = (rows.len() as u64, n_times as u64);
-        self.run.progress.at(done, || format!("t = {:.4}{words}", row.t));
+        let words = || progress_words(self.scene, self.system, row.t, &row.moments);
+        self.run.progress.at(done, words);
     }
 }
 
@@ -362,7 +360,7 @@ fn drawings(
     let moments = lines(quantities.iter().filter(is_second), |observed| Some(observed.value));
     // The chart shows one estimator, the best that the method offers; the result contains all.
     let tails = lines(best_probabilities(quantities), Observed::known);
-    let exceeds = format!("P(|{}| > T)", demand_name(scene, system));
+    let exceeds = format!("P({} > T)", magnitude_name(scene, system));
     let mut drawings = Vec::new();
     for (name, title, y_label, scale, mut lines) in [
         ("moments", "Second moments over time", "second moment", Scale::Linear, moments),

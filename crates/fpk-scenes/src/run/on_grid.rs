@@ -6,7 +6,7 @@ use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Run, RunError};
 
 use super::observed::Observed;
-use super::record::{Content, WorkRecord, asked_series, moment_words};
+use super::record::{Content, WorkRecord, asked_series, progress_words};
 use crate::scene::{FpkScene, OtherDimension};
 use crate::system::System;
 
@@ -34,13 +34,8 @@ pub(super) fn solve(
             density.advance_to(t)?;
             let moments = asked.powers.iter().map(|&powers| density.raw_moment(powers));
             let moments = moments.collect::<Result<Vec<f64>, _>>()?;
-            run.progress.at((rows.len() as u64 + 1, asked.times.len() as u64), || {
-                let first = scene.moments.first().zip(moments.first());
-                let words = |(powers, value): (&Vec<u32>, _)| {
-                    format!(", {} = {value:.5e}", moment_words(powers, system.states()))
-                };
-                format!("t = {t:.4}{}", first.map_or_else(String::new, words))
-            });
+            let done = (rows.len() as u64 + 1, asked.times.len() as u64);
+            run.progress.at(done, || progress_words(scene, system, t, &moments));
             let exceedances = asked.thresholds.iter().map(|&limit| density.exceedance(limit));
             rows.push(Row { t, moments, exceedances: exceedances.collect() });
         }

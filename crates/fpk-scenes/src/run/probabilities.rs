@@ -46,7 +46,10 @@ impl<'a> Probabilities<'a> {
                 error @ (TailError::Untrusted { .. }
                 | TailError::Sampling(Error::TooManyLevels { .. })),
             ) => self.unknown.push(Unknown {
-                what: format!("{} at t = {t}", self.quantity(k)),
+                what: format!(
+                    "{} at t = {t}",
+                    Quantity::Probability { by: self.by, threshold: self.thresholds[k] }
+                ),
                 reason: error.to_string(),
             }),
             Err(error) => return Err(RunError::solver(error)),
@@ -116,19 +119,12 @@ impl<'a> Probabilities<'a> {
     /// The result for a demand in words; thresholds without a value are omitted.
     pub(crate) fn content(mut self, demand: &str, seed: u64) -> Content {
         let values = std::mem::take(&mut self.values).into_iter().enumerate();
-        let series = values.filter(|(_, values)| !values.is_empty()).map(|(k, values)| Series {
-            of: self.quantity(k),
-            quantity: format!("P({demand} > {})", self.thresholds[k]),
-            unit: String::new(),
-            values,
-        });
+        let series = values
+            .filter(|(_, values)| !values.is_empty())
+            .map(|(k, values)| Series::probability((self.by, self.thresholds[k]), demand, values));
         let quantities = series.collect();
         let Self { work, unknown, .. } = self;
         Content { seed: Some(seed), work, stopped: None, unknown, quantities }
-    }
-
-    fn quantity(&self, k: usize) -> Quantity {
-        Quantity::Probability { by: self.by, threshold: self.thresholds[k] }
     }
 }
 

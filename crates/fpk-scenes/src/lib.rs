@@ -4,7 +4,6 @@ pub mod building;
 pub mod density;
 mod keys;
 pub mod monte_carlo;
-mod path_blocks;
 pub mod paths;
 pub mod plane_density;
 mod retired;
@@ -13,6 +12,4 @@ pub mod sources;
 pub mod system;
 
 pub(crate) use self::keys::checks;
-pub use self::keys::{
-    lattice_scene, law_scene, method_scene, scene, scheme_scene, structure_scene, system_scene,
-};
+pub use self::keys::{lattice_scene, law_scene, method_scene, scene, scheme_scene, system_scene};

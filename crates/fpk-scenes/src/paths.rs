@@ -11,8 +11,6 @@ use vibrating_systems::{
     ViscousDamper,
 };
 
-use super::density::Erased;
-
 /// Integrator of a path. Each system has one, the best that was measured on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathIntegrator {
@@ -95,7 +93,7 @@ impl<const D: usize> PathEnsemble<'_, D> {
     ///
     /// # Errors
     /// [`PathsError::Ensemble`].
-    pub fn shard<S: Sync, I: Integrator<S, D, M>, const M: usize>(
+    pub fn shard<S: Sync + ?Sized, I: Integrator<S, D, M>, const M: usize>(
         &self,
         system: &S,
         integrator: &I,
@@ -131,44 +129,6 @@ pub enum PathsError {
     NotAdditive,
 }
 
-/// One line for each system that is compiled separately, as vector lanes require: its dimensions and its integrator.
-macro_rules! compiled_paths {
-    ($($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
-        impl Paths<$d, $m> for $system {
-            const INTEGRATOR: PathIntegrator = PathIntegrator::$integrator;
-
-            fn shard(
-                &self,
-                ensemble: &PathEnsemble<'_, $d>,
-                place: (u64, u64),
-            ) -> Result<ShardRecord, PathsError> {
-                ensemble.shard::<_, _, $m>(self, &$integrator, place)
-            }
-
-            fn tails<'a>(
-                &'a self,
-                law: &GaussianMixture<$d>,
-                span: (f64, usize),
-            ) -> Result<TailPaths<'a, $d>, PathsError> {
-                Ok(TailPaths::new::<_, _, $m>(self, &$integrator, law, span)?)
-            }
-
-            fn guided<'a>(
-                &'a self,
-                law: &GaussianMixture<$d>,
-                span: (f64, usize),
-                rule: &Linearisation<$d>,
-            ) -> Result<GuidedPaths<'a>, PathsError> {
-                Ok(GuidedPaths::new(self, &$integrator, law, span, rule)?)
-            }
-
-            fn additive(&self) -> Option<&dyn Sde<$d, $m, Noise = Additive>> {
-                Some(self)
-            }
-        }
-    )+ };
-}
-
 /// A system of the named class of noise.
 macro_rules! additive {
     (Additive, $system:expr) => {
@@ -190,9 +150,18 @@ macro_rules! guided {
     }};
 }
 
-/// One line for each system integrated behind a reference: compiled once for a dimension, slower by the calls.
-macro_rules! erased_paths {
-    ($noise:ident: $($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
+/// Type by which a system is integrated: its own, or one behind a reference.
+macro_rules! integrated {
+    (compiled, $system:ty, $($behind:tt)+) => { $system };
+    (behind_reference, $system:ty, $noise:ident, $d:literal, $m:literal) => {
+        dyn Sde<$d, $m, Noise = $noise>
+    };
+}
+
+/// One line for each system: its dimensions and its integrator. A system that is compiled has vector lanes; those behind a reference
+/// are compiled once for a dimension, and are slower by the calls.
+macro_rules! paths {
+    ($noise:ident, $how:ident: $($system:ty, $d:literal, $m:literal: $integrator:ident;)+) => { $(
         impl Paths<$d, $m> for $system {
             const INTEGRATOR: PathIntegrator = PathIntegrator::$integrator;
 
@@ -201,7 +170,8 @@ macro_rules! erased_paths {
                 ensemble: &PathEnsemble<'_, $d>,
                 place: (u64, u64),
             ) -> Result<ShardRecord, PathsError> {
-                ensemble.shard::<_, _, $m>(&Erased::<_, $d, $m>(self), &$integrator, place)
+                let system: &integrated!($how, $system, $noise, $d, $m) = self;
+                ensemble.shard::<_, _, $m>(system, &$integrator, place)
             }
 
             fn tails<'a>(
@@ -209,7 +179,7 @@ macro_rules! erased_paths {
                 law: &GaussianMixture<$d>,
                 span: (f64, usize),
             ) -> Result<TailPaths<'a, $d>, PathsError> {
-                let system: &dyn Sde<$d, $m, Noise = $noise> = self;
+                let system: &integrated!($how, $system, $noise, $d, $m) = self;
                 Ok(TailPaths::new::<_, _, $m>(system, &$integrator, law, span)?)
             }
 
@@ -219,7 +189,7 @@ macro_rules! erased_paths {
                 span: (f64, usize),
                 rule: &Linearisation<$d>,
             ) -> Result<GuidedPaths<'a>, PathsError> {
-                let system: &dyn Sde<$d, $m, Noise = $noise> = self;
+                let system: &integrated!($how, $system, $noise, $d, $m) = self;
                 guided!($noise, system, &$integrator, law, span, rule)
             }
 
@@ -230,7 +200,8 @@ macro_rules! erased_paths {
     )+ };
 }
 
-compiled_paths! {
+paths! {
+    Additive, compiled:
     LinearOscillator, 2, 1: StrangOscillator;
     ViscousDamper, 2, 1: StrangOscillator;
     BoucWen, 3, 1: StrangBoucWen;
@@ -238,8 +209,8 @@ compiled_paths! {
     Filtered<BoucWen, 3, 2>, 5, 1: Shark;
 }
 
-erased_paths! {
-    Additive:
+paths! {
+    Additive, behind_reference:
     Duffing, 2, 1: Shark;
     VanDerPolRayleigh, 2, 1: Shark;
     TwoStorey, 4, 1: Shark;
@@ -256,8 +227,8 @@ erased_paths! {
     Bistable, 1, 1: Shark;
 }
 
-erased_paths! {
-    General:
+paths! {
+    General, behind_reference:
     CoxIngersollRoss, 1, 1: EulerMaruyama;
     GeometricBrownianMotion, 1, 1: EulerMaruyama;
 }

@@ -4,7 +4,8 @@ mod ingredients;
 mod ladder;
 mod linearised;
 mod on_grid;
-mod outcome;
+pub(crate) mod outcome;
+pub(crate) mod probabilities;
 mod resolutions;
 mod sampled;
 mod shown;
@@ -12,19 +13,18 @@ mod tails;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use self::shown::{answers, findings, motion, observed, pictures, record};
+use self::shown::{answers, findings, motion, pictures};
+pub(crate) use self::shown::{charts, observed, record};
 
 use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};
-use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
+use result_figures::{Drawing, Scale};
 use result_pages::Source;
 use scene_runs::answers::Unknown;
 use scene_runs::checkpoint::Checkpoint;
 use scene_runs::interrupt;
-use scene_runs::kind::{Completed, Inputs, Output, Run, RunError, SceneKind};
-use scene_runs::machine::Machine;
+use scene_runs::kind::{Completed, Computed, Inputs, Run, RunError, SceneKind};
 use scene_runs::models::edit;
-use scene_runs::result_file::ResultFile;
 use scene_runs::scene::SceneFile;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
@@ -41,12 +41,14 @@ use crate::sources::{
     AU_BECK_2001, CANOR_2013, GIRSANOV_1960, MACKE_2003, ROBERTS_1990, SCHARFETTER_1969,
 };
 use crate::system::{FilteredVisitor, System, Visitor};
+use charts::{lines, n_shown};
 use linearised::Linearised;
 use observed::Observed;
-use outcome::Outcome;
+use outcome::{Outcome, Shown};
 use pictures::{PictureData, Pictures};
 use record::{
-    Content, Quantity, Series, WorkRecord, best_probabilities, demand_name, moment_words, series,
+    Content, Quantity, Series, WorkRecord, best_probabilities, magnitude_name, progress_words,
+    series,
 };
 use resolutions::Resolutions;
 use sampled::Sampled;
@@ -64,31 +66,17 @@ pub const KIND: SceneKind = SceneKind {
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let (scene, system) = run.build::<FpkScene>(file)?;
-    let Outcome { work, stopped, unknown, quantities, seed, planes, files, is_elsewhere } =
-        solve(&scene, &system, run)?;
-    if is_elsewhere {
-        return Ok(Completed::Elsewhere(files));
-    }
-    for Unknown { what, reason } in &unknown {
-        run.progress.stage(&format!("unknown: {what}: {reason}"));
-    }
-    let answers = answers::answers(&quantities, &work);
-    let reason = stopped.as_ref().map(ToString::to_string);
-    let content = Content { seed, work, stopped: reason, unknown, quantities };
-    let solved = Completed::here(run, answers, || {
-        let mut drawings = drawings(&scene, &system, &content.quantities)?;
-        for plane in &planes {
-            drawings.push(plane.drawing()?);
-        }
-        let motions = motion::motions(&planes);
-        let mut report = findings::report(&content, &scene.method, sources(&scene.method));
-        if scene.planes.is_none() {
-            report.absent.push(motion::ABSENT.to_owned());
-        }
-        let result = ResultFile::new("run-result/1", &scene, &content)?;
-        Ok(Output { result, files, drawings, motions, report })
-    })?;
-    Ok(solved.stopped(stopped))
+    let outcome = match solve(&scene, &system, run)? {
+        Computed::Here(outcome) => outcome,
+        Computed::Elsewhere(files) => return Ok(Completed::Elsewhere(files)),
+    };
+    let shown = Shown {
+        scene: &scene,
+        method: &scene.method,
+        sources: sources(&scene.method),
+        absent: scene.planes.is_none().then_some(motion::ABSENT),
+    };
+    outcome.completed(run, &shown, |quantities| drawings(&scene, &system, quantities))
 }
 
 /// What to cite for a method.
@@ -104,11 +92,11 @@ fn sources(method: &MethodScene) -> &'static [Source] {
 }
 
 /// Solves the scene by its method.
-fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, RunError> {
+fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Computed<Outcome>, RunError> {
     if let MethodScene::MonteCarlo { paths, step, seed, .. } = scene.method {
         run.progress.stage("Monte Carlo");
         let sampling = Sampling { paths, step, seed };
-        return system.visit(Sampled { scene, system, sampling, run });
+        return Ok(system.visit(Sampled { scene, system, sampling, run })?.map(Outcome::from));
     }
     let inputs = Inputs { scene, seed: None, files: &[] };
     let alone = || {
@@ -121,21 +109,21 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
             alone()?;
             let period = system.reference_period();
             let config = GridConfig { cells, reach, period, steps_per_period };
-            on_grid::solve(scene, system, run, &config)
+            Ok(Computed::Here(on_grid::solve(scene, system, run, &config)?.into()))
         }
         MethodScene::StatisticalLinearisation { step } => {
             alone()?;
             run.progress.stage("statistical linearisation");
-            system.visit(Linearised { scene, system, step })
+            Ok(Computed::Here(system.visit(Linearised { scene, system, step })?.into()))
         }
         MethodScene::GuidedPaths { samples, step, seed, .. } => {
             let how = Estimator::Guided { samples };
-            system.visit(TailsOf { scene, system, run, step, seed, how })
+            Ok(system.visit(TailsOf { scene, system, run, step, seed, how })?.map(Outcome::from))
         }
         MethodScene::SubsetSimulation { samples, correlation, runs, step, seed, .. } => {
             let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
             let how = Estimator::Subset { config };
-            system.visit(TailsOf { scene, system, run, step, seed, how })
+            Ok(system.visit(TailsOf { scene, system, run, step, seed, how })?.map(Outcome::from))
         }
         _ => {
             run.no_shards()?;
@@ -143,7 +131,7 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Outcome, Ru
             let solved = || Solved { scene, system, run, checkpoint };
             let conditioned = scene.method.conditions_filter();
             let outcome = conditioned.then(|| system.visit_filtered(solved())).flatten();
-            outcome.unwrap_or_else(|| system.visit(solved()))
+            outcome.unwrap_or_else(|| system.visit(solved())).map(Computed::Here)
         }
     }
 }
@@ -253,12 +241,9 @@ impl Solved<'_> {
     /// Reports the first moment of the scene at the last time.
     fn tell(&self, rows: &[Row], n_times: usize) {
         let Some(row) = rows.last() else { return };
-        let moment = self.scene.moments.first().zip(row.moments.first());
-        let words = moment.map_or_else(String::new, |(powers, value)| {
-            format!(", {} = {value:.5e}", moment_words(powers, self.system.states()))
-        });
         let done = (rows.len() as u64, n_times as u64);
-        self.run.progress.at(done, || format!("t = {:.4}{words}", row.t));
+        let words = || progress_words(self.scene, self.system, row.t, &row.moments);
+        self.run.progress.at(done, words);
     }
 }
 
@@ -359,8 +344,9 @@ impl Solved<'_> {
             cpu_seconds: fine.rows.last().map_or(0.0, |row| row.cpu_seconds),
         };
         let stopped = fine.stopped;
-        let (seed, is_elsewhere) = (None, false);
-        Ok(Outcome { work, stopped, unknown, quantities, seed, planes, files, is_elsewhere })
+        let reason = stopped.as_ref().map(ToString::to_string);
+        let content = Content { seed: None, work, stopped: reason, unknown, quantities };
+        Ok(Outcome { content, stopped, planes, files })
     }
 }
 
@@ -371,52 +357,20 @@ fn drawings(
     quantities: &[Series],
 ) -> Result<Vec<Drawing>, RunError> {
     let is_second = |series: &&Series| matches!(&series.of, Quantity::Moment(powers) if powers.iter().sum::<u32>() == 2);
-    let exceeds = format!("P(|{}| > T)", demand_name(scene, system));
-    // The chart shows one estimator, the best that the method offers; the result contains all.
     let moments = lines(quantities.iter().filter(is_second), |observed| Some(observed.value));
+    // The chart shows one estimator, the best that the method offers; the result contains all.
     let tails = lines(best_probabilities(quantities), Observed::known);
-    let smaller = "Values that are smaller than their error are left out.";
+    let exceeds = format!("P({} > T)", magnitude_name(scene, system));
     let mut drawings = Vec::new();
-    for (name, lines, scale, title, y_label, note) in [
-        ("moments", moments, Scale::Linear, "Second moments over time", "second moment", None),
-        (
-            "exceedance",
-            tails,
-            Scale::Log,
-            "Probability of exceedance over time",
-            exceeds.as_str(),
-            Some(smaller),
-        ),
+    for (name, title, y_label, scale, mut lines) in [
+        ("moments", "Second moments over time", "second moment", Scale::Linear, moments),
+        ("exceedance", "Probability of exceedance over time", &exceeds, Scale::Log, tails),
     ] {
-        if lines.is_empty() {
-            continue;
+        lines.retain(|line| n_shown(line) > 0);
+        if !lines.is_empty() {
+            let words = [title, &scene.title, y_label];
+            drawings.push(charts::over_time(name, words, (scale, lines))?);
         }
-        let words = Words {
-            title: title.into(),
-            subtitle: scene.title.clone(),
-            x_label: "time t (s)".into(),
-            y_label: y_label.into(),
-            caption: note
-                .map(str::to_owned)
-                .into_iter()
-                .chain([Machine::read().caption()])
-                .collect(),
-        };
-        let chart = TimeSeries { words, scale, lines, bands: Vec::new(), references: Vec::new() };
-        drawings.push(Drawing::time_series(name, &chart).map_err(RunError::solver)?);
     }
     Ok(drawings)
-}
-
-/// The selected series as lines; values rejected by `shown` are gaps.
-fn lines<'a>(
-    quantities: impl Iterator<Item = &'a Series>,
-    shown: impl Fn(&Observed) -> Option<f64>,
-) -> Vec<Line> {
-    let line = |series: &Series| Line {
-        name: series.quantity.clone(),
-        points: series.values.iter().map(|observed| (observed.t, shown(observed))).collect(),
-    };
-    let lines = quantities.map(line);
-    lines.filter(|line| line.points.iter().any(|(_, value)| value.is_some())).collect()
 }

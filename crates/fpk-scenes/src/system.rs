@@ -239,6 +239,9 @@ impl System {
     /// Reference time of the steps: the shortest period of an oscillation, else a relaxation time (s).
     #[must_use]
     pub fn reference_period(&self) -> f64 {
+        if let Some((structure, (_, filter))) = self.structure_period().zip(self.filter()) {
+            return structure.min(filter);
+        }
         match self {
             Self::LinearOscillator(system) => system.period(),
             Self::ViscousDamper(system) => system.period(),
@@ -246,58 +249,44 @@ impl System {
             Self::Duffing(system) => system.period(),
             Self::VanDerPol(system) => system.period(),
             Self::TwoStorey(system) => frame_period(system),
-            Self::KanaiTajimiLinear(system) => {
-                system.structure().period().min(system.filter().period())
-            }
-            Self::KanaiTajimiDamper(system) => {
-                system.structure().period().min(system.filter().period())
-            }
-            Self::KanaiTajimiDuffing(system) => {
-                system.structure().period().min(system.filter().period())
-            }
-            Self::KanaiTajimiBoucWen(system) => {
-                system.structure().period().min(system.filter().period())
-            }
-            Self::KanaiTajimiTwoStorey(system) => {
-                frame_period(system.structure()).min(system.filter().period())
-            }
-            Self::CloughPenzienLinear(system) => {
-                system.structure().period().min(system.filter().period())
-            }
-            Self::CloughPenzienDamper(system) => {
-                system.structure().period().min(system.filter().period())
-            }
-            Self::CloughPenzienDuffing(system) => {
-                system.structure().period().min(system.filter().period())
-            }
             Self::OrnsteinUhlenbeck1(system) => fastest(&system.parameters().rates),
             Self::OrnsteinUhlenbeck2(system) => fastest(&system.parameters().rates),
             Self::OrnsteinUhlenbeck3(system) => fastest(&system.parameters().rates),
             Self::OrnsteinUhlenbeck4(system) => fastest(&system.parameters().rates),
             Self::Bistable(system) => std::f64::consts::TAU * system.relaxation_time(),
             Self::CoxIngersollRoss(system) => std::f64::consts::TAU / system.parameters().rate,
-            // In units of its own time: it has no relaxation.
-            Self::GeometricBrownianMotion(_) => 1.0,
+            // In units of its own time: geometric Brownian motion has no relaxation.
+            _ => 1.0,
         }
     }
 
     /// The stationary covariance of the filter's states, which come last.
     #[must_use]
     pub fn filter_covariance(&self) -> Option<Vec<Vec<f64>>> {
-        fn rows<const F: usize>(covariance: &[[f64; F]; F]) -> Vec<Vec<f64>> {
-            covariance.iter().map(|row| row.to_vec()).collect()
-        }
-        Some(match self {
-            Self::KanaiTajimiLinear(system) => rows(system.filter().stationary_covariance()),
-            Self::KanaiTajimiDamper(system) => rows(system.filter().stationary_covariance()),
-            Self::KanaiTajimiDuffing(system) => rows(system.filter().stationary_covariance()),
-            Self::KanaiTajimiBoucWen(system) => rows(system.filter().stationary_covariance()),
-            Self::KanaiTajimiTwoStorey(system) => rows(system.filter().stationary_covariance()),
-            Self::CloughPenzienLinear(system) => rows(system.filter().stationary_covariance()),
-            Self::CloughPenzienDamper(system) => rows(system.filter().stationary_covariance()),
-            Self::CloughPenzienDuffing(system) => rows(system.filter().stationary_covariance()),
-            _ => return None,
-        })
+        self.filter().map(|(covariance, _)| covariance)
+    }
+
+    /// Stationary covariance and period of the filter, if there is one.
+    fn filter(&self) -> Option<(Vec<Vec<f64>>, f64)> {
+        self.visit_filtered(FilterOf)
+    }
+}
+
+/// Returns the stationary covariance of a filter and its period.
+struct FilterOf;
+
+impl FilteredVisitor for FilterOf {
+    type Output = (Vec<Vec<f64>>, f64);
+    fn visit<S, const DS: usize, const DF: usize, const D: usize>(
+        self,
+        system: &Filtered<S, DS, DF>,
+    ) -> Self::Output
+    where
+        S: Sde<DS, 1, Noise = Additive>,
+    {
+        let filter = system.filter();
+        let covariance = filter.stationary_covariance().iter().map(|row| row.to_vec()).collect();
+        (covariance, filter.period())
     }
 }
 

@@ -17,8 +17,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 pub use self::error::{CheckpointError, Reason, Refusal};
-pub use self::file::Head;
-use self::file::{Content, Parts, Stage, Survives};
+use self::file::{Content, Parts, Stage};
+pub use self::file::{Head, Survives};
 use crate::interrupt;
 
 /// Minimum interval between two checkpoints, in multiples of the time to write one.
@@ -249,26 +249,7 @@ const ONLY: &str = "part";
 ///
 /// # Errors
 /// As [`Checkpoint::keep`].
-pub fn write_file<T: Serialize>(path: &Path, head: &Head, part: &T) -> Result<(), CheckpointError> {
-    write_one(path, head, part, Survives::Machine)
-}
-
-/// Writes a file as [`write_file`] does, without waiting for the disk.
-///
-/// Use it for one of many files that are cheap to recompute. A crash of the machine may leave it truncated; a killed
-/// process does not.
-///
-/// # Errors
-/// As [`Checkpoint::keep`].
-pub fn write_block<T: Serialize>(
-    path: &Path,
-    head: &Head,
-    part: &T,
-) -> Result<(), CheckpointError> {
-    write_one(path, head, part, Survives::Process)
-}
-
-fn write_one<T: Serialize>(
+pub fn write_file<T: Serialize>(
     path: &Path,
     head: &Head,
     part: &T,
@@ -278,7 +259,7 @@ fn write_one<T: Serialize>(
     file::write(path, head, (1, Stage::Ended), &parts, survives)
 }
 
-/// Reads a file written by [`write_file`] or [`write_block`].
+/// Reads a file written by [`write_file`].
 ///
 /// # Errors
 /// [`CheckpointError::Refused`] for a file that is truncated, damaged, of another run, or no checkpoint; errors of the

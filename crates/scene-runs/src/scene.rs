@@ -5,6 +5,7 @@
 //! parsing, values afterwards by [`Scene::check`].
 
 mod error;
+pub(crate) mod folder;
 mod named_file;
 mod place;
 mod retired;

@@ -6,10 +6,8 @@ use serde::{Deserialize, Serialize};
 use vibrating_systems::Error;
 use vibrating_systems::{
     CloughPenzienParameters, Ground, Hysteresis, KanaiTajimiParameters, ShearBuilding,
-    ShearBuildingParameters, Storey,
+    ShearBuildingParameters, Storey, Window,
 };
-
-use crate::structure_scene::WindowScene;
 
 /// A shear building; lists hold the storeys from the ground upwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -79,8 +77,8 @@ pub struct GroundScene {
     pub noise_intensity: f64,
     /// `e(t)`, the modulating function of the white noise, before a filter.
     #[serde(default)]
-    #[schemars(example = WindowScene::SinglePeak { peak: 1.0, peak_time: 2.0 })]
-    pub window: WindowScene,
+    #[schemars(example = Window::SinglePeak { peak: 1.0, peak_time: 2.0 })]
+    pub window: Window,
 }
 
 /// What the white noise passes on its way to the building.
@@ -140,7 +138,7 @@ impl BuildingScene {
                 mass_damping: 0.0,
                 ground: ground.soil.build(),
                 noise_intensity: ground.noise_intensity,
-                window: ground.window.build()?,
+                window: ground.window.clone(),
             };
             ShearBuilding::new(match self.damping {
                 DampingScene::Rayleigh { modes, ratios } => {

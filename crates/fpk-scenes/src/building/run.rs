@@ -2,29 +2,24 @@
 
 mod ladder;
 
-use std::path::PathBuf;
-
 use random_vibration::{
-    FreePassages, GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, SubsetConfig,
-    TailError, subset_passage,
+    FreePassages, GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion, PathBlock,
+    SubsetConfig, subset_passage,
 };
-use result_figures::{Drawing, Line, Scale, TimeSeries, Words};
-use scene_runs::answers::Unknown;
+use result_figures::{Drawing, Scale};
 use scene_runs::clock::CpuClock;
-use scene_runs::kind::{Completed, Computed, Inputs, Output, Run, RunError, SceneKind};
-use scene_runs::machine::Machine;
+use scene_runs::kind::{Completed, Computed, Inputs, Run, RunError, SceneKind};
 use scene_runs::models::edit;
-use scene_runs::result_file::ResultFile;
 use scene_runs::scene::SceneFile;
-use sde_integrators::Error;
 use vibrating_systems::ShearBuilding;
 
 use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;
-use crate::path_blocks::path_blocks;
+use crate::run::charts;
 use crate::run::observed::Observed;
-use crate::run::record::{Content, Probability, Quantity, Series, WorkRecord};
-use crate::run::{answers, findings};
+use crate::run::outcome::{Outcome, Shown};
+use crate::run::probabilities::{Probabilities, UNGUIDED};
+use crate::run::record::{Probability, Series};
 use crate::sources::{AU_BECK_2001, GIRSANOV_1960, MACKE_2003};
 
 /// Its line in a table of kinds.
@@ -37,8 +32,6 @@ pub const KIND: SceneKind = SceneKind {
     ingredients: |scene| edit::of(scene, ladder::ingredients),
 };
 
-/// Share of the paths without a guide.
-const UNGUIDED: f64 = 0.05;
 /// Paths for each pilot path, and the least number of pilot paths.
 const PILOTS: (u64, u64) = (40, 200);
 /// Steps of the linearisation per shortest period.
@@ -54,201 +47,83 @@ const NO_FIELD: &str =
 
 fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let (mut scene, building) = run.build::<PassageScene>(file)?;
-    let seed = Some(*scene.method.seed());
+    let seed = *scene.method.seed();
     let scene = &scene;
-    let mut found = Passages::new(scene, &building);
-    if let Some(elsewhere) = found.solve(run, &Inputs { scene, seed, files: &[] })? {
-        return Ok(Completed::Elsewhere(elsewhere));
-    }
-    for Unknown { what, reason } in &found.unknown {
-        run.progress.stage(&format!("unknown: {what}: {reason}"));
-    }
-    let quantities = found.series();
-    let Passages { path_steps, cpu_seconds, unknown, .. } = found;
-    let work = WorkRecord { path_steps, cpu_seconds, ..WorkRecord::default() };
-    let answers = answers::answers(&quantities, &work);
-    Completed::here(run, answers, || {
-        let drawings = drawing(scene, &quantities)?.into_iter().collect();
-        let content = Content { seed, work, stopped: None, unknown, quantities };
-        let sources: &[_] = match scene.method {
-            BuildingMethod::GuidedPaths { .. } => &[GIRSANOV_1960, MACKE_2003],
-            BuildingMethod::MonteCarlo { .. } => &[],
-            BuildingMethod::SubsetSimulation { .. } => &[AU_BECK_2001],
-        };
-        let mut report = findings::report(&content, &scene.method, sources);
-        report.absent.push(NO_FIELD.to_owned());
-        let result = ResultFile::new("run-result/1", scene, &content)?;
-        Ok(Output { result, files: Vec::new(), drawings, motions: Vec::new(), report })
-    })
+    let times = scene.times.list();
+    let found = Probabilities::new(Probability::FirstPassage, &times, &scene.thresholds);
+    let found = match solve(scene, &building, (run, seed), found)? {
+        Computed::Here(found) => found,
+        Computed::Elsewhere(files) => return Ok(Completed::Elsewhere(files)),
+    };
+    let demand = scene.response.storey.map_or_else(
+        || "largest drift of all storeys".to_owned(),
+        |storey| format!("largest drift of storey {storey}"),
+    );
+    let sources: &[_] = match scene.method {
+        BuildingMethod::GuidedPaths { .. } => &[GIRSANOV_1960, MACKE_2003],
+        BuildingMethod::MonteCarlo { .. } => &[],
+        BuildingMethod::SubsetSimulation { .. } => &[AU_BECK_2001],
+    };
+    let shown = Shown { scene, method: &scene.method, sources, absent: Some(NO_FIELD) };
+    let outcome = Outcome::from(found.content(&demand, seed));
+    outcome.completed(run, &shown, |quantities| drawings(&scene.title, quantities))
 }
 
-/// First passages of a scene.
-struct Passages<'a> {
-    scene: &'a PassageScene,
-    building: &'a ShearBuilding,
-    /// Per threshold.
-    values: Vec<Vec<Observed>>,
-    unknown: Vec<Unknown>,
-    path_steps: Option<u64>,
-    cpu_seconds: f64,
-}
-
-impl<'a> Passages<'a> {
-    fn new(scene: &'a PassageScene, building: &'a ShearBuilding) -> Self {
-        let values = vec![Vec::new(); scene.thresholds.len()];
-        let (unknown, path_steps, cpu_seconds) = (Vec::new(), None, 0.0);
-        Self { scene, building, values, unknown, path_steps, cpu_seconds }
-    }
-
-    /// Estimates all probabilities by the method of the scene; returns the files of a shard, if this is one.
-    fn solve(
-        &mut self,
-        run: &Run<'_>,
-        inputs: &Inputs<'_, PassageScene>,
-    ) -> Result<Option<Vec<PathBuf>>, RunError> {
-        let Self { scene, building, .. } = *self;
-        let (times, each) = (scene.times.list(), scene.steps_per_time());
-        let n_steps: Vec<usize> = (1..=times.len()).map(|k| k * each).collect();
-        let Some((&until, &all)) = times.last().zip(n_steps.last()) else { return Ok(None) };
-        let (span, responses) = ((until, all), scene.responses(building));
-        let (responses, thresholds) = (&responses[..], &scene.thresholds[..]);
-        let question = PassageQuestion { responses, thresholds, n_steps: &n_steps };
-        match scene.method {
-            BuildingMethod::GuidedPaths { .. } => self.guided((run, inputs), &question, span),
-            BuildingMethod::MonteCarlo { .. } => self.free((run, inputs), &question, span),
-            BuildingMethod::SubsetSimulation { samples, correlation, runs, seed, .. } => {
-                run.no_shards()?;
-                // A method without a checkpoint still refuses to start over another run.
-                run.checkpoint(inputs, &["/title"])?;
-                run.progress.stage("subset simulation");
-                let clock = CpuClock::start();
-                let config = SubsetConfig { n_samples: samples, correlation, n_runs: runs };
-                self.subset(run, &question, (&times, &config, seed))?;
-                self.cpu_seconds = clock.seconds();
-                Ok(None)
+/// All first passages by the method of the scene.
+fn solve<'a>(
+    scene: &PassageScene,
+    building: &ShearBuilding,
+    (run, seed): (&Run<'_>, u64),
+    mut found: Probabilities<'a>,
+) -> Result<Computed<Probabilities<'a>>, RunError> {
+    let inputs = &Inputs { scene, seed: Some(seed), files: &[] };
+    let each = scene.steps_per_time();
+    let n_steps: Vec<usize> = (1..=found.times.len()).map(|k| k * each).collect();
+    let until = found.times.last().copied().unwrap_or_default();
+    let span = (until, found.times.len() * each);
+    let responses = &scene.responses(building)[..];
+    let question = PassageQuestion { responses, thresholds: found.thresholds, n_steps: &n_steps };
+    match scene.method {
+        BuildingMethod::GuidedPaths { samples, .. } => {
+            run.progress.stage("guided paths");
+            let clock = CpuClock::start();
+            let (part, least) = PILOTS;
+            let n_pilots = (samples / part).max(least);
+            let config = GuidedConfig { n_paths: samples, n_pilots, unguided: UNGUIDED, seed };
+            let rule = guide_rule(building, until / span.1 as f64);
+            let paths = GuidedPaths::from_rest(building, span, &rule).map_err(RunError::solver)?;
+            let study = paths.passage_study(&question, &config).map_err(RunError::solver)?;
+            found.guided((run, inputs), &study, clock.seconds())
+        }
+        BuildingMethod::MonteCarlo { paths, .. } => {
+            run.progress.stage("Monte Carlo");
+            let paths = FreePassages::new(building, span, &question, (paths, seed))
+                .map_err(RunError::solver)?;
+            found.work.path_steps = Some(paths.path_steps());
+            let compute = |blocks| paths.blocks(blocks);
+            let estimates = |blocks: &[PathBlock]| paths.estimates(blocks);
+            let observed = |t, estimate| Ok(Observed::of_estimate(t, &estimate));
+            found.by_blocks((run, inputs), (paths.n_blocks(), &compute), estimates, observed)
+        }
+        BuildingMethod::SubsetSimulation { samples, correlation, runs, .. } => {
+            run.no_shards()?;
+            // A method without a checkpoint still refuses to start over another run.
+            run.checkpoint(inputs, &["/title"])?;
+            run.progress.stage("subset simulation");
+            let clock = CpuClock::start();
+            let config = &SubsetConfig { n_samples: samples, correlation, n_runs: runs };
+            for (row, (&t, &steps)) in found.times.iter().zip(&n_steps).enumerate() {
+                for (k, &threshold) in found.thresholds.iter().enumerate() {
+                    let (span, how) = ((t, steps), (config, seed));
+                    let estimate = subset_passage(building, responses, threshold, span, how);
+                    found.push((k, t), estimate.map(|it| Observed::of_estimate(t, &it)))?;
+                }
+                let done = (row as u64 + 1, n_steps.len() as u64);
+                run.progress.at(done, || format!("t = {t:.4}"));
             }
+            found.work.cpu_seconds = clock.seconds();
+            Ok(Computed::Here(found))
         }
-    }
-
-    /// Guided paths, their blocks in any processes; the files of a shard, if this is one.
-    fn guided(
-        &mut self,
-        (run, inputs): (&Run<'_>, &Inputs<'_, PassageScene>),
-        question: &PassageQuestion<'_>,
-        (until, n_steps): (f64, usize),
-    ) -> Result<Option<Vec<PathBuf>>, RunError> {
-        let BuildingMethod::GuidedPaths { samples, seed, .. } = self.scene.method else {
-            return Ok(None);
-        };
-        run.progress.stage("guided paths");
-        let clock = CpuClock::start();
-        let (part, least) = PILOTS;
-        let n_pilots = (samples / part).max(least);
-        let config = GuidedConfig { n_paths: samples, n_pilots, unguided: UNGUIDED, seed };
-        let rule = guide_rule(self.building, until / n_steps as f64);
-        let paths = GuidedPaths::from_rest(self.building, (until, n_steps), &rule)
-            .map_err(RunError::solver)?;
-        let study = paths.passage_study(question, &config).map_err(RunError::solver)?;
-        self.cpu_seconds = clock.seconds();
-        let compute = |blocks| study.blocks(blocks);
-        let blocks = match path_blocks(run, inputs, study.n_blocks(), &compute)? {
-            Computed::Here(blocks) => blocks,
-            Computed::Elsewhere(files) => return Ok(Some(files)),
-        };
-        self.path_steps = Some(study.path_steps());
-        self.cpu_seconds += blocks.cpu_seconds;
-        let rows = study.estimates(&blocks.list).map_err(RunError::solver)?;
-        for (t, row) in self.scene.times.list().into_iter().zip(rows) {
-            for (k, found) in row.into_iter().enumerate() {
-                self.push((k, t), found.map(|found| Observed::of_guided(t, &found)))?;
-            }
-        }
-        Ok(None)
-    }
-
-    /// Free paths, their blocks in any processes; the files of a shard, if this is one.
-    fn free(
-        &mut self,
-        (run, inputs): (&Run<'_>, &Inputs<'_, PassageScene>),
-        question: &PassageQuestion<'_>,
-        span: (f64, usize),
-    ) -> Result<Option<Vec<PathBuf>>, RunError> {
-        let BuildingMethod::MonteCarlo { paths: n_paths, seed, .. } = self.scene.method else {
-            return Ok(None);
-        };
-        run.progress.stage("Monte Carlo");
-        let paths = FreePassages::new(self.building, span, question, (n_paths, seed))
-            .map_err(RunError::solver)?;
-        let compute = |blocks| paths.blocks(blocks);
-        let blocks = match path_blocks(run, inputs, paths.n_blocks(), &compute)? {
-            Computed::Here(blocks) => blocks,
-            Computed::Elsewhere(files) => return Ok(Some(files)),
-        };
-        self.path_steps = Some(paths.path_steps());
-        self.cpu_seconds = blocks.cpu_seconds;
-        let rows = paths.estimates(&blocks.list).map_err(RunError::solver)?;
-        for (t, row) in self.scene.times.list().into_iter().zip(rows) {
-            for (k, estimate) in row.iter().enumerate() {
-                self.push((k, t), Ok(Observed::of_estimate(t, estimate)))?;
-            }
-        }
-        Ok(None)
-    }
-
-    /// Subset simulation of each time and threshold.
-    fn subset(
-        &mut self,
-        run: &Run<'_>,
-        question: &PassageQuestion<'_>,
-        (times, config, seed): (&[f64], &SubsetConfig, u64),
-    ) -> Result<(), RunError> {
-        let PassageQuestion { responses, thresholds, n_steps } = *question;
-        for (row, (&t, &steps)) in times.iter().zip(n_steps).enumerate() {
-            for (k, &threshold) in thresholds.iter().enumerate() {
-                let (building, span, how) = (self.building, (t, steps), (config, seed));
-                let found = subset_passage(building, responses, threshold, span, how);
-                self.push((k, t), found.map(|e| Observed::of_estimate(t, &e)))?;
-            }
-            let done = (row as u64 + 1, times.len() as u64);
-            run.progress.at(done, || format!("t = {t:.4}"));
-        }
-        Ok(())
-    }
-
-    /// Adds a probability, or the reason why it is unknown.
-    fn push(
-        &mut self,
-        (k, t): (usize, f64),
-        found: Result<Observed, TailError>,
-    ) -> Result<(), RunError> {
-        match found {
-            Ok(observed) => self.values[k].push(observed),
-            Err(
-                error @ (TailError::Untrusted { .. }
-                | TailError::Sampling(Error::TooManyLevels { .. })),
-            ) => self.unknown.push(Unknown {
-                what: format!("first-passage/{} at t = {t}", self.scene.thresholds[k]),
-                reason: error.to_string(),
-            }),
-            Err(error) => return Err(RunError::solver(error)),
-        }
-        Ok(())
-    }
-
-    /// The probabilities over time, threshold by threshold.
-    fn series(&mut self) -> Vec<Series> {
-        let demand = self.scene.response.storey.map_or_else(
-            || "largest drift of all storeys".to_owned(),
-            |storey| format!("largest drift of storey {storey}"),
-        );
-        let of_threshold = |(&threshold, values): (&f64, &mut Vec<Observed>)| Series {
-            of: Quantity::Probability { by: Probability::FirstPassage, threshold },
-            quantity: format!("P({demand} > {threshold})"),
-            unit: String::new(),
-            values: std::mem::take(values),
-        };
-        let all = self.scene.thresholds.iter().zip(&mut self.values).map(of_threshold);
-        all.filter(|series| !series.values.is_empty()).collect()
     }
 }
 
@@ -267,27 +142,11 @@ fn guide_rule(building: &ShearBuilding, dt: f64) -> PairwiseRule {
 }
 
 /// Chart of the probabilities over time; none for one time.
-fn drawing(scene: &PassageScene, quantities: &[Series]) -> Result<Option<Drawing>, RunError> {
-    let line = |series: &Series| Line {
-        name: series.quantity.clone(),
-        points: series.values.iter().map(|observed| (observed.t, observed.known())).collect(),
-    };
-    let lines: Vec<Line> = quantities.iter().map(line).collect();
-    let drawn = |line: &Line| line.points.iter().filter(|(_, value)| value.is_some()).count() > 1;
-    if !lines.iter().any(drawn) {
-        return Ok(None);
+fn drawings(title: &str, quantities: &[Series]) -> Result<Vec<Drawing>, RunError> {
+    let lines = charts::lines(quantities, Observed::known);
+    if lines.iter().all(|line| charts::n_shown(line) < 2) {
+        return Ok(Vec::new());
     }
-    let words = Words {
-        title: "Probability of first passage over time".into(),
-        subtitle: scene.title.clone(),
-        x_label: "time t (s)".into(),
-        y_label: "P(passage up to t)".into(),
-        caption: vec![
-            "Values that are smaller than their error are left out.".to_owned(),
-            Machine::read().caption(),
-        ],
-    };
-    let (bands, references) = (Vec::new(), Vec::new());
-    let chart = TimeSeries { words, scale: Scale::Log, lines, bands, references };
-    Ok(Some(Drawing::time_series("first-passage", &chart).map_err(RunError::solver)?))
+    let words = ["Probability of first passage over time", title, "P(passage up to t)"];
+    Ok(vec![charts::over_time("first-passage", words, (Scale::Log, lines))?])
 }

@@ -13,7 +13,7 @@ use super::checks::{check_length, must};
 use super::scheme_scene::SchemeScene;
 
 /// The initial lattice in standard deviations of the initial distribution: a box by `count`, or a ball by `spacing`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LatticeScene {
     /// A box: number of particles along each axis (no unit). Give either this or `spacing`.
@@ -96,17 +96,6 @@ impl DegreeScene {
             Self::Quartic => Degree::Quartic,
         }
     }
-
-    /// The estimator with this degree; kernel sums have none.
-    const fn of(self, estimator: Estimator) -> Estimator {
-        let degree = self.degree();
-        match estimator {
-            Estimator::SummationDensity => estimator,
-            Estimator::FlowMapFit { thinnest, settling, .. } => {
-                Estimator::FlowMapFit { degree, thinnest, settling }
-            }
-        }
-    }
 }
 
 /// How fast positions lose the waves that the flow-map fit does not resolve, in reference periods.
@@ -120,17 +109,10 @@ pub enum SettlingScene {
 }
 
 impl SettlingScene {
-    /// The estimator with this settling; others than the flow-map fit have none.
-    const fn of(self, estimator: Estimator) -> Estimator {
-        let settling = match self {
+    const fn settling(self) -> Settling {
+        match self {
             Self::Uniform => Settling::UNIFORM,
             Self::Graded => Settling::GRADED,
-        };
-        match estimator {
-            Estimator::FlowMapFit { degree, thinnest, .. } => {
-                Estimator::FlowMapFit { degree, thinnest, settling }
-            }
-            Estimator::SummationDensity => estimator,
         }
     }
 }
@@ -172,9 +154,13 @@ impl LatticeScene {
             StepRule::PeriodFraction { steps_per_period }
         });
         let scheme = scheme.map_or(combination.scheme, SchemeScene::scheme);
-        let estimator =
-            degree.map_or(combination.estimator, |degree| degree.of(combination.estimator));
-        let estimator = settling.map_or(estimator, |settling| settling.of(estimator));
+        let mut estimator = combination.estimator;
+        // Kernel sums have neither.
+        if let Estimator::FlowMapFit { degree: of_fit, settling: of_positions, .. } = &mut estimator
+        {
+            *of_fit = degree.map_or(*of_fit, DegreeScene::degree);
+            *of_positions = settling.map_or(*of_positions, SettlingScene::settling);
+        }
         let negligible = negligible.unwrap_or(combination.negligible);
         Method::Custom(Combination {
             estimator,

@@ -19,12 +19,12 @@ use crate::system::System;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::paper())]
-#[schemars(example = Self::sampled())]
+#[schemars(example = Self::MonteCarlo { paths: 100_000, step: 0.01, seed: 1 })]
 #[schemars(example = Self::fit())]
-#[schemars(example = Self::grid())]
-#[schemars(example = Self::linearised())]
-#[schemars(example = Self::guided())]
-#[schemars(example = Self::subset())]
+#[schemars(example = Self::ConservativeGrid { cells: 128, reach: 8.0, steps_per_period: 80.0 })]
+#[schemars(example = Self::StatisticalLinearisation { step: 0.05 })]
+#[schemars(example = Self::GuidedPaths { samples: 2_000, step: 0.04, seed: 1 })]
+#[schemars(example = Self::SubsetSimulation { samples: 500, correlation: 0.8, runs: 8, step: 0.04, seed: 1 })]
 pub enum MethodScene {
     /// Flow-map fit: local polynomials over the initial lattice, without a neighbour search.
     FlowMapFit(LatticeScene),
@@ -108,31 +108,9 @@ impl MethodScene {
         }
     }
 
-    fn sampled() -> Self {
-        Self::MonteCarlo { paths: 100_000, step: 0.01, seed: 1 }
-    }
-
-    fn grid() -> Self {
-        Self::ConservativeGrid { cells: 128, reach: 8.0, steps_per_period: 80.0 }
-    }
-
-    fn linearised() -> Self {
-        Self::StatisticalLinearisation { step: 0.05 }
-    }
-
-    fn guided() -> Self {
-        Self::GuidedPaths { samples: 2_000, step: 0.04, seed: 1 }
-    }
-
-    fn subset() -> Self {
-        Self::SubsetSimulation { samples: 500, correlation: 0.8, runs: 8, step: 0.04, seed: 1 }
-    }
-
     fn fit() -> Self {
         Self::FlowMapFit(LatticeScene {
-            count: None,
             spacing: Some(0.3),
-            reach: None,
             smallest_probability: Some(1e-6),
             fresh_lattices: Some(FreshLatticesScene { most_uneven: 1.5, ..Default::default() }),
             steps_per_period: Some(80.0),
@@ -140,7 +118,7 @@ impl MethodScene {
             negligible: Some(1e-4),
             settling: Some(SettlingScene::Graded),
             degree: Some(DegreeScene::Quadratic),
-            filter: None,
+            ..Default::default()
         })
     }
 }

@@ -8,5 +8,4 @@ pub mod law_scene;
 pub mod method_scene;
 pub mod scene;
 pub mod scheme_scene;
-pub mod structure_scene;
 pub mod system_scene;

@@ -2,17 +2,17 @@
 
 use scene_runs::scene::Objection;
 use schemars::JsonSchema;
+use sde_integrators::{Additive, Sde};
 use serde::{Deserialize, Serialize};
 use vibrating_systems::Error;
 use vibrating_systems::{
-    Bistable, BistableParameters, CloughPenzienParameters, CoxIngersollRoss,
-    CoxIngersollRossParameters, Filter, Filtered, GeometricBrownianMotion, KanaiTajimiParameters,
-    OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters, VanDerPolRayleigh, VanDerPolRayleighParameters,
+    Bistable, BistableParameters, BoucWen, BoucWenParameters, CloughPenzienParameters,
+    CoxIngersollRoss, CoxIngersollRossParameters, Duffing, DuffingParameters, Filter, Filtered,
+    GeometricBrownianMotion, KanaiTajimiParameters, LinearOscillator, LinearOscillatorParameters,
+    OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters, TwoStorey, TwoStoreyParameters,
+    VanDerPolRayleigh, VanDerPolRayleighParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
 
-use super::structure_scene::{
-    BoucWenScene, DamperScene, DuffingScene, StructureScene, TwoStoreyScene, WindowScene,
-};
 use crate::system::System;
 
 /// The system, by its name.
@@ -26,13 +26,13 @@ use crate::system::System;
 #[schemars(example = Self::GeometricBrownianMotion { growth: 0.1, volatility: 0.3 })]
 pub enum SystemScene {
     /// `q'' + 2 xi w q' + w^2 q = a(t) W`.
-    LinearOscillator(StructureScene),
+    LinearOscillator(LinearOscillatorParameters),
     /// `q'' + 2 xi w q' + eta sign(q') |q'|^alpha + w^2 q = a(t) W` (Canor & Denoël 2013, eq 26).
-    ViscousDamper(DamperScene),
+    ViscousDamper(ViscousDamperParameters),
     /// The hysteretic oscillator (Canor & Denoël 2013, eq 28).
-    BoucWen(BoucWenScene),
+    BoucWen(BoucWenParameters),
     /// `q'' + 2 xi w q' + w^2 (q + epsilon q^3) = a(t) W`.
-    Duffing(DuffingScene),
+    Duffing(DuffingParameters),
     /// `q'' + (-a + b (w^2 q^2 + q'^2)) q' + w^2 q = W` (van der Pol, Rayleigh).
     VanDerPol {
         /// `w`, the natural circular frequency (rad/s).
@@ -44,10 +44,10 @@ pub enum SystemScene {
         /// `S_0`, the diffusion of the velocity (m^2/s^3).
         noise_intensity: f64,
         /// Modulating function of the noise.
-        window: WindowScene,
+        window: Window,
     },
     /// A shear frame of two storeys, with dampers between its floors.
-    TwoStorey(TwoStoreyScene),
+    TwoStorey(TwoStoreyParameters),
     /// A structure behind a Kanai-Tajimi filter.
     KanaiTajimi {
         /// The structure; its modulating function acts on the ground motion.
@@ -58,7 +58,7 @@ pub enum SystemScene {
         ground_damping: f64,
         /// Modulating function of the white noise at the bedrock.
         #[serde(default)]
-        noise_window: WindowScene,
+        noise_window: Window,
     },
     /// A structure behind a Clough-Penzien filter.
     CloughPenzien {
@@ -74,7 +74,7 @@ pub enum SystemScene {
         low_cut_damping: f64,
         /// Modulating function of the white noise at the bedrock.
         #[serde(default)]
-        noise_window: WindowScene,
+        noise_window: Window,
     },
     /// `dX = -Theta (X - m) dt + G dB` in one to four dimensions.
     OrnsteinUhlenbeck {
@@ -117,15 +117,15 @@ pub enum SystemScene {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShakenScene {
     /// A linear oscillator.
-    LinearOscillator(StructureScene),
+    LinearOscillator(LinearOscillatorParameters),
     /// A linear oscillator with a viscous damper.
-    ViscousDamper(DamperScene),
+    ViscousDamper(ViscousDamperParameters),
     /// A hysteretic oscillator.
-    BoucWen(BoucWenScene),
+    BoucWen(BoucWenParameters),
     /// An oscillator with a cubic spring.
-    Duffing(DuffingScene),
+    Duffing(DuffingParameters),
     /// A building of two storeys.
-    TwoStorey(TwoStoreyScene),
+    TwoStorey(TwoStoreyParameters),
 }
 
 /// Why the system of a scene could not be built: an invalid parameter or list.
@@ -164,15 +164,6 @@ impl SystemError {
             Self::Shape { key, .. } => Some(key),
             Self::TooManyStates { .. } => Some("structure"),
             Self::Parameter(error) => match error {
-                Error::TooFewRows { .. } | Error::NotIncreasing { .. } => Some("tabulated"),
-                Error::NotFinite { name, .. }
-                | Error::NotPositive { name, .. }
-                | Error::Negative { name, .. }
-                | Error::OutOfRange { name, .. }
-                    if name.ends_with(" of the window") =>
-                {
-                    Some("tabulated")
-                }
                 Error::NotFinite { name, .. }
                 | Error::NotPositive { name, .. }
                 | Error::Negative { name, .. }
@@ -185,7 +176,7 @@ impl SystemError {
 }
 
 /// Modulating function of the examples.
-const RISE: WindowScene = WindowScene::RisePlateauDecay {
+const RISE: Window = Window::RisePlateauDecay {
     rise_exponent: 1.0,
     rise_end: 2.0,
     decay_rate: 2.0,
@@ -195,7 +186,7 @@ const RISE: WindowScene = WindowScene::RisePlateauDecay {
 /// Examples for the schema and the page of scenes; no built-in scene shows them.
 impl SystemScene {
     fn clough_penzien() -> Self {
-        let structure = StructureScene {
+        let structure = LinearOscillatorParameters {
             natural_frequency: 3.0,
             damping_ratio: 0.05,
             noise_intensity: 0.2,
@@ -207,19 +198,19 @@ impl SystemScene {
             ground_damping: 0.6,
             low_cut_frequency: 1.5,
             low_cut_damping: 0.6,
-            noise_window: WindowScene::Stationary,
+            noise_window: Window::Stationary,
         }
     }
 
     fn kanai_tajimi() -> Self {
-        let frame = TwoStoreyScene {
+        let frame = TwoStoreyParameters {
             mass: [1.0, 1.0],
             stiffness: [40.0, 40.0],
             damping: [0.4, 0.4],
             damper_coefficient: [0.25, 0.0],
             damper_exponent: 0.5,
             noise_intensity: 0.2,
-            window: WindowScene::Stationary,
+            window: Window::Stationary,
         };
         Self::KanaiTajimi {
             structure: ShakenScene::TwoStorey(frame),
@@ -245,10 +236,14 @@ impl SystemScene {
     /// [`SystemError`] with the name of the parameter.
     pub fn build(&self) -> Result<System, SystemError> {
         Ok(match self {
-            Self::LinearOscillator(structure) => System::LinearOscillator(structure.build()?),
-            Self::ViscousDamper(damper) => System::ViscousDamper(damper.build()?),
-            Self::BoucWen(hysteretic) => System::BoucWen(hysteretic.build()?),
-            Self::Duffing(hardening) => System::Duffing(hardening.build()?),
+            Self::LinearOscillator(structure) => {
+                System::LinearOscillator(LinearOscillator::new(structure.clone())?)
+            }
+            Self::ViscousDamper(damper) => {
+                System::ViscousDamper(ViscousDamper::new(damper.clone())?)
+            }
+            Self::BoucWen(hysteretic) => System::BoucWen(BoucWen::new(hysteretic.clone())?),
+            Self::Duffing(hardening) => System::Duffing(Duffing::new(hardening.clone())?),
             &Self::VanDerPol {
                 natural_frequency,
                 self_excitation,
@@ -260,9 +255,9 @@ impl SystemScene {
                 self_excitation,
                 energy_damping,
                 noise_intensity,
-                window: window.build()?,
+                window: window.clone(),
             })?),
-            Self::TwoStorey(frame) => System::TwoStorey(frame.build()?),
+            Self::TwoStorey(frame) => System::TwoStorey(TwoStorey::new(frame.clone())?),
             &Self::KanaiTajimi {
                 ref structure,
                 ground_frequency,
@@ -334,24 +329,25 @@ fn path_of(tree: &serde_json::Value, key: &str) -> Option<String> {
 fn behind_kanai_tajimi(
     structure: &ShakenScene,
     soil: KanaiTajimiParameters,
-    noise_window: &WindowScene,
+    window: &Window,
 ) -> Result<System, SystemError> {
-    let (filter, window) = (Filter::kanai_tajimi(soil)?, noise_window.build()?);
-    Ok(match structure {
-        ShakenScene::LinearOscillator(structure) => {
-            System::KanaiTajimiLinear(Filtered::new(structure.build()?, filter, window)?)
+    use ShakenScene as Shaken;
+    let filter = Filter::kanai_tajimi(soil)?;
+    Ok(match structure.clone() {
+        Shaken::LinearOscillator(structure) => {
+            System::KanaiTajimiLinear(behind(LinearOscillator::new(structure), filter, window)?)
         }
-        ShakenScene::ViscousDamper(damper) => {
-            System::KanaiTajimiDamper(Filtered::new(damper.build()?, filter, window)?)
+        Shaken::ViscousDamper(damper) => {
+            System::KanaiTajimiDamper(behind(ViscousDamper::new(damper), filter, window)?)
         }
-        ShakenScene::BoucWen(hysteretic) => {
-            System::KanaiTajimiBoucWen(Filtered::new(hysteretic.build()?, filter, window)?)
+        Shaken::BoucWen(hysteretic) => {
+            System::KanaiTajimiBoucWen(behind(BoucWen::new(hysteretic), filter, window)?)
         }
-        ShakenScene::Duffing(hardening) => {
-            System::KanaiTajimiDuffing(Filtered::new(hardening.build()?, filter, window)?)
+        Shaken::Duffing(hardening) => {
+            System::KanaiTajimiDuffing(behind(Duffing::new(hardening), filter, window)?)
         }
-        ShakenScene::TwoStorey(frame) => {
-            System::KanaiTajimiTwoStorey(Filtered::new(frame.build()?, filter, window)?)
+        Shaken::TwoStorey(frame) => {
+            System::KanaiTajimiTwoStorey(behind(TwoStorey::new(frame), filter, window)?)
         }
     })
 }
@@ -359,23 +355,33 @@ fn behind_kanai_tajimi(
 fn behind_clough_penzien(
     structure: &ShakenScene,
     filter: CloughPenzienParameters,
-    noise_window: &WindowScene,
+    window: &Window,
 ) -> Result<System, SystemError> {
-    let (filter, window) = (Filter::clough_penzien(filter)?, noise_window.build()?);
+    use ShakenScene as Shaken;
+    let filter = Filter::clough_penzien(filter)?;
     let too_many = |structure, states| Err(SystemError::TooManyStates { structure, states });
-    Ok(match structure {
-        ShakenScene::LinearOscillator(structure) => {
-            System::CloughPenzienLinear(Filtered::new(structure.build()?, filter, window)?)
+    Ok(match structure.clone() {
+        Shaken::LinearOscillator(structure) => {
+            System::CloughPenzienLinear(behind(LinearOscillator::new(structure), filter, window)?)
         }
-        ShakenScene::ViscousDamper(damper) => {
-            System::CloughPenzienDamper(Filtered::new(damper.build()?, filter, window)?)
+        Shaken::ViscousDamper(damper) => {
+            System::CloughPenzienDamper(behind(ViscousDamper::new(damper), filter, window)?)
         }
-        ShakenScene::Duffing(hardening) => {
-            System::CloughPenzienDuffing(Filtered::new(hardening.build()?, filter, window)?)
+        Shaken::Duffing(hardening) => {
+            System::CloughPenzienDuffing(behind(Duffing::new(hardening), filter, window)?)
         }
-        ShakenScene::BoucWen(_) => return too_many("hysteretic oscillator", 7),
-        ShakenScene::TwoStorey(_) => return too_many("building of two storeys", 8),
+        Shaken::BoucWen(_) => return too_many("hysteretic oscillator", 7),
+        Shaken::TwoStorey(_) => return too_many("building of two storeys", 8),
     })
+}
+
+/// A structure behind a filter of a noise with a modulating function.
+fn behind<S: Sde<DS, 1, Noise = Additive>, const DS: usize, const DF: usize>(
+    structure: Result<S, Error>,
+    filter: Filter<DF>,
+    window: &Window,
+) -> Result<Filtered<S, DS, DF>, Error> {
+    Filtered::new(structure?, filter, window.clone())
 }
 
 fn ornstein_uhlenbeck(

@@ -2,13 +2,13 @@
 
 use scene_runs::models::Ingredient;
 use scene_runs::models::edit::{changed, ingredient, replace};
+use vibrating_systems::{BoucWenParameters, DuffingParameters, LinearOscillatorParameters, Window};
 
 use super::record::Quantity;
 use crate::lattice_scene::{DegreeScene, FilterScene, LatticeScene};
 use crate::law_scene::LawScene;
 use crate::method_scene::MethodScene;
 use crate::scene::{DemandScene, FpkScene};
-use crate::structure_scene::{BoucWenScene, DuffingScene, StructureScene, WindowScene};
 use crate::system_scene::{ShakenScene, SystemScene};
 
 /// Minimum number of intervals along a length of a lattice with fewer states.
@@ -28,7 +28,7 @@ pub(super) fn ingredients(scene: &FpkScene) -> Vec<Ingredient> {
         linear(scene),
         without("the dampers", undamp_storeys),
         without("the modulating function", |scene| {
-            window(&mut scene.system).is_some_and(|window| replace(window, WindowScene::Stationary))
+            window(&mut scene.system).is_some_and(|window| replace(window, Window::Stationary))
         }),
         without("remeshing", |scene| {
             lattice(&mut scene.method)
@@ -68,10 +68,15 @@ fn linear(scene: &FpkScene) -> Option<Ingredient> {
         SystemScene::ViscousDamper(damper) => ("the damper", damper.structure, 0),
         SystemScene::Duffing(hardening) => ("the cubic spring", hardening.structure, 0),
         SystemScene::BoucWen(hysteretic) => {
-            let BoucWenScene { natural_frequency, damping_ratio, noise_intensity, window, .. } =
-                hysteretic;
-            let structure =
-                StructureScene { natural_frequency, damping_ratio, noise_intensity, window };
+            let BoucWenParameters {
+                natural_frequency, damping_ratio, noise_intensity, window, ..
+            } = hysteretic;
+            let structure = LinearOscillatorParameters {
+                natural_frequency,
+                damping_ratio,
+                noise_intensity,
+                window,
+            };
             ("the hysteresis", structure, 1)
         }
         _ => return None,
@@ -144,10 +149,10 @@ fn undamp_storeys(scene: &mut FpkScene) -> bool {
 }
 
 /// Modulating function of the noise or of the ground motion, if the system has one.
-fn window(system: &mut SystemScene) -> Option<&mut WindowScene> {
+fn window(system: &mut SystemScene) -> Option<&mut Window> {
     Some(match system {
         SystemScene::LinearOscillator(structure)
-        | SystemScene::Duffing(DuffingScene { structure, .. }) => &mut structure.window,
+        | SystemScene::Duffing(DuffingParameters { structure, .. }) => &mut structure.window,
         SystemScene::ViscousDamper(damper) => &mut damper.structure.window,
         SystemScene::BoucWen(hysteretic) => &mut hysteretic.window,
         SystemScene::VanDerPol { window, .. } => window,

@@ -19,7 +19,7 @@ const STEPS_PER_PERIOD: f64 = 64.0;
 /// The same for forward Euler.
 const STEPS_OF_EULER: f64 = 1024.0;
 /// Smallest number of paths.
-const FIRST_PATHS: f64 = 1000.0;
+const FIRST_PATHS: u64 = 1000;
 /// Half-width in standard deviations of the lattice for a scene without one.
 const REACH: f64 = 6.0;
 /// Half-width of the paper's lattice, in standard deviations (section 4.1.1: 0.6 and 0.4 over 0.15 and 0.10).
@@ -41,8 +41,6 @@ pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     if let Some(method) = papers(&scene, states) {
         methods.push(method);
     }
-    let period = system.reference_period();
-    methods.push(sampled(&scene, system.integrator(), period));
     methods.extend(established(&scene, &system));
     // Its own method first, the others in their order.
     let is_own = |method: &MethodScene| {
@@ -89,25 +87,12 @@ fn conditioned(scene: &Arc<FpkScene>, system: &System) -> Option<(MethodScene, M
 
 /// A box in two dimensions, where corners are cheap; a ball in higher dimensions.
 fn default_lattice(states: usize) -> LatticeScene {
-    let mut lattice = LatticeScene {
-        count: None,
-        spacing: None,
-        reach: Some(REACH),
-        smallest_probability: None,
-        fresh_lattices: None,
-        steps_per_period: None,
-        scheme: None,
-        negligible: None,
-        settling: None,
-        degree: None,
-        filter: None,
-    };
+    let lattice = LatticeScene { reach: Some(REACH), ..Default::default() };
     if states <= 2 {
-        lattice.count = Some(vec![21; states]);
+        LatticeScene { count: Some(vec![21; states]), ..lattice }
     } else {
-        lattice.spacing = Some(1.0);
+        LatticeScene { spacing: Some(1.0), ..lattice }
     }
-    lattice
 }
 
 /// Smallest number of intervals along a length for which a fit has enough neighbours.
@@ -204,35 +189,6 @@ fn papers(scene: &Arc<FpkScene>, states: usize) -> Option<(MethodScene, Method)>
     Some((own, method))
 }
 
-/// Monte Carlo; the step is the scene's if that is its method.
-fn sampled(
-    scene: &Arc<FpkScene>,
-    integrator: PathIntegrator,
-    period: f64,
-) -> (MethodScene, Method) {
-    let (step, seed) = match &scene.method {
-        MethodScene::MonteCarlo { step, seed, .. } => (*step, *seed),
-        _ if integrator == PathIntegrator::EulerMaruyama => {
-            (two_digits(period / STEPS_OF_EULER), SEED)
-        }
-        _ => (two_digits(period / STEPS_PER_PERIOD), SEED),
-    };
-    let of = move |paths: u64| MethodScene::MonteCarlo { paths, step, seed };
-    let scene = scene.clone();
-    let rung = move |paths: f64| {
-        let paths = whole(two_digits(paths));
-        of_method(&scene, paths as f64, format!("{paths} paths"), of(paths))
-    };
-    let method = Method {
-        name: format!("Monte Carlo, {}, step {step} s", integrator.name()),
-        growth: Growth::Samples,
-        standing: Standing::Judge,
-        first: FIRST_PATHS,
-        rung: Box::new(rung),
-    };
-    (of(2), method)
-}
-
 /// Smallest number of cells of a grid along an axis, and its steps per period for each cell.
 const FIRST_GRID: (usize, f64) = (28, 0.6);
 /// Smallest number of guided paths.
@@ -240,13 +196,20 @@ const FIRST_GUIDED: u64 = 300;
 /// Smallest number of samples of a level of subset simulation.
 const FIRST_OF_LEVEL: usize = 100;
 
-/// Methods of `random-vibration` that apply to the scene: those that its check accepts.
+/// Sampled paths and the methods of `random-vibration` that apply to the scene: those that its check accepts. What the scene chooses
+/// besides the size of its own method stays.
 fn established(scene: &Arc<FpkScene>, system: &System) -> Vec<(MethodScene, Method)> {
     let (cells, per_cell) = FIRST_GRID;
     let steps_per_period = per_cell * cells as f64;
-    let step = two_digits(system.reference_period() / STEPS_PER_PERIOD);
+    let period = system.reference_period();
+    let step = two_digits(period / STEPS_PER_PERIOD);
+    let of_paths = match system.integrator() {
+        PathIntegrator::EulerMaruyama => two_digits(period / STEPS_OF_EULER),
+        _ => step,
+    };
     let (seed, samples, correlation, runs) = (SEED, FIRST_OF_LEVEL, 0.8, 8);
     let all = [
+        MethodScene::MonteCarlo { paths: FIRST_PATHS, step: of_paths, seed },
         MethodScene::ConservativeGrid { cells, reach: 8.0, steps_per_period },
         MethodScene::StatisticalLinearisation { step },
         MethodScene::GuidedPaths { samples: FIRST_GUIDED, step, seed },
@@ -260,25 +223,44 @@ fn established(scene: &Arc<FpkScene>, system: &System) -> Vec<(MethodScene, Meth
         FpkScene { method: method.clone(), ..FpkScene::clone(scene) }.check().is_ok()
     };
     let all = all.into_iter().map(or_own).filter(answers);
-    all.map(|method| (method.clone(), of_established(scene, method))).collect()
+    let integrator = system.integrator();
+    all.map(|method| (method.clone(), of_established(scene, method, integrator))).collect()
 }
 
-fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
-    let (name, growth, first) = match method {
+fn of_established(
+    scene: &Arc<FpkScene>,
+    method: MethodScene,
+    integrator: PathIntegrator,
+) -> Method {
+    let name = match method {
+        MethodScene::MonteCarlo { step, .. } => {
+            format!("Monte Carlo, {}, step {step} s", integrator.name())
+        }
+        MethodScene::ConservativeGrid { .. } => "conservative grid".to_owned(),
+        MethodScene::GuidedPaths { .. } => "guided paths".to_owned(),
+        MethodScene::SubsetSimulation { .. } => "subset simulation".to_owned(),
+        _ => "statistical linearisation".to_owned(),
+    };
+    let (growth, standing, first) = match method {
+        MethodScene::MonteCarlo { .. } => (Growth::Samples, Standing::Judge, FIRST_PATHS as f64),
         // Two axes and the time.
         MethodScene::ConservativeGrid { .. } => {
-            ("conservative grid", Growth::Lattice { dimensions: 3 }, FIRST_GRID.0 as f64)
+            (Growth::Lattice { dimensions: 3 }, Standing::Judged, FIRST_GRID.0 as f64)
         }
-        MethodScene::GuidedPaths { .. } => ("guided paths", Growth::Samples, FIRST_GUIDED as f64),
+        MethodScene::GuidedPaths { .. } => (Growth::Samples, Standing::Judged, FIRST_GUIDED as f64),
         MethodScene::SubsetSimulation { .. } => {
-            ("subset simulation", Growth::Samples, FIRST_OF_LEVEL as f64)
+            (Growth::Samples, Standing::Judged, FIRST_OF_LEVEL as f64)
         }
-        _ => ("statistical linearisation", Growth::Fixed, 1.0),
+        _ => (Growth::Fixed, Standing::Judged, 1.0),
     };
     let scene = scene.clone();
     let rung = move |size: f64| {
         let mut method = method.clone();
         let (size, label) = match &mut method {
+            MethodScene::MonteCarlo { paths, .. } => {
+                *paths = whole(two_digits(size));
+                (*paths as f64, format!("{paths} paths"))
+            }
             MethodScene::ConservativeGrid { cells, steps_per_period, .. } => {
                 let n = count(size);
                 let steps = *steps_per_period * n as f64 / *cells as f64;
@@ -297,7 +279,6 @@ fn of_established(scene: &Arc<FpkScene>, method: MethodScene) -> Method {
         };
         of_method(&scene, size, label, method)
     };
-    let (name, standing) = (name.to_owned(), Standing::Judged);
     Method { name, growth, standing, first, rung: Box::new(rung) }
 }
 

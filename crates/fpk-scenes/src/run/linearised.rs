@@ -7,8 +7,7 @@ use scene_runs::kind::RunError;
 use sde_integrators::{Additive, Sde};
 
 use super::observed::Observed;
-use super::outcome::Outcome;
-use super::record::{WorkRecord, asked_series};
+use super::record::{Content, WorkRecord, asked_series};
 use crate::paths::Paths;
 use crate::scene::FpkScene;
 use crate::system::{System, Visitor};
@@ -30,7 +29,7 @@ const RICHARDSON: f64 = 15.0;
 struct NotAdditive;
 
 impl Visitor for Linearised<'_> {
-    type Output = Result<Outcome, RunError>;
+    type Output = Result<Content, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
         let system = system.additive().ok_or(NotAdditive).map_err(RunError::solver)?;
@@ -43,7 +42,7 @@ impl Linearised<'_> {
     fn linearised<const D: usize, const M: usize>(
         self,
         system: &dyn Sde<D, M, Noise = Additive>,
-    ) -> Result<Outcome, RunError> {
+    ) -> Result<Content, RunError> {
         let Self { scene, system: named, step } = self;
         let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
         let order = order(named.kinks());
@@ -77,7 +76,7 @@ impl Linearised<'_> {
                 .to_owned(),
         });
         let unknown = unknown.into_iter().collect();
-        Ok(Outcome { work, unknown, quantities, ..Outcome::default() })
+        Ok(Content { work, unknown, quantities, ..Content::default() })
     }
 }
 

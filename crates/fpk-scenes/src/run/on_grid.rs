@@ -6,8 +6,7 @@ use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Run, RunError};
 
 use super::observed::Observed;
-use super::outcome::Outcome;
-use super::record::{WorkRecord, asked_series, moment_words};
+use super::record::{Content, WorkRecord, asked_series, progress_words};
 use crate::scene::{FpkScene, OtherDimension};
 use crate::system::System;
 
@@ -24,7 +23,7 @@ pub(super) fn solve(
     system: &System,
     run: &Run<'_>,
     config: &GridConfig,
-) -> Result<Outcome, RunError> {
+) -> Result<Content, RunError> {
     let oscillator = system.oscillator().ok_or(OtherDimension { states: 2 });
     let oscillator = oscillator.map_err(RunError::solver)?;
     let (law, asked) = (scene.initial_law::<2>(system)?, scene.requested::<2>(system, false)?);
@@ -35,13 +34,8 @@ pub(super) fn solve(
             density.advance_to(t)?;
             let moments = asked.powers.iter().map(|&powers| density.raw_moment(powers));
             let moments = moments.collect::<Result<Vec<f64>, _>>()?;
-            run.progress.at((rows.len() as u64 + 1, asked.times.len() as u64), || {
-                let first = scene.moments.first().zip(moments.first());
-                let words = |(powers, value): (&Vec<u32>, _)| {
-                    format!(", {} = {value:.5e}", moment_words(powers, system.states()))
-                };
-                format!("t = {t:.4}{}", first.map_or_else(String::new, words))
-            });
+            let done = (rows.len() as u64 + 1, asked.times.len() as u64);
+            run.progress.at(done, || progress_words(scene, system, t, &moments));
             let exceedances = asked.thresholds.iter().map(|&limit| density.exceedance(limit));
             rows.push(Row { t, moments, exceedances: exceedances.collect() });
         }
@@ -79,7 +73,7 @@ pub(super) fn solve(
             failed.join("; ")
         ),
     });
-    Ok(Outcome { work, unknown: unknown.into_iter().collect(), quantities, ..Outcome::default() })
+    Ok(Content { work, unknown: unknown.into_iter().collect(), quantities, ..Content::default() })
 }
 
 /// A grid with fewer cells and one with fewer steps, and the divisors of their differences.

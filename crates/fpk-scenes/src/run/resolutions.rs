@@ -268,14 +268,20 @@ mod tests {
         assert!((error - 0.1).abs() < 1e-12, "{error}");
     }
 
-    #[allow(clippy::unnecessary_wraps, reason = "the shape that is asked for")]
+    /// A ball whose spacing is 1 at the whole resolution.
+    fn ball<const D: usize>(method: Method) -> impl Fn(f64) -> Option<Config<D>> {
+        move |part| {
+            Some(Config {
+                method,
+                lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 / part },
+                reference_period: 1.0,
+                most_steps: DEFAULT_MOST_STEPS,
+            })
+        }
+    }
+
     fn config(part: f64) -> Option<Config<2>> {
-        Some(Config {
-            method: Method::FlowMapFit,
-            lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 / part },
-            reference_period: 1.0,
-            most_steps: DEFAULT_MOST_STEPS,
-        })
+        ball(Method::FlowMapFit)(part)
     }
 
     fn spacing(config: &Config<2>) -> f64 {
@@ -324,15 +330,7 @@ mod tests {
     }
 
     fn in_four_states(method: Method, slow: f64) -> Resolutions {
-        let config = |part: f64| {
-            Some(Config::<4> {
-                method,
-                lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 / part },
-                reference_period: 1.0,
-                most_steps: DEFAULT_MOST_STEPS,
-            })
-        };
-        Resolutions::new(run(1.0, &[1.0]), config, |name, _| {
+        Resolutions::new(run(1.0, &[1.0]), ball::<4>(method), |name, _| {
             let value = if name.contains("half as fast") { slow } else { 1.1 };
             Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
         })
@@ -355,15 +353,8 @@ mod tests {
 
     #[test]
     fn a_run_that_would_show_settling_and_stopped_is_said_to_be_missing() {
-        let config = |part: f64| {
-            Some(Config::<4> {
-                method: Method::FlowMapFit,
-                lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.0 / part },
-                reference_period: 1.0,
-                most_steps: DEFAULT_MOST_STEPS,
-            })
-        };
-        let both = Resolutions::new(run(1.0, &[1.0, 2.0]), config, |name, _| {
+        let four = ball::<4>(Method::FlowMapFit);
+        let both = Resolutions::new(run(1.0, &[1.0, 2.0]), four, |name, _| {
             Ok::<_, std::convert::Infallible>(if name.contains("half as fast") {
                 Err(Error::NotPositive { name: "a name", value: 0.0 })
             } else {

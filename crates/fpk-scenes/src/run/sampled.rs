@@ -7,8 +7,7 @@ use scene_runs::kind::{Computed, Cut, Ensemble, EnsemblePart, Inputs, Items, Run
 use sde_integrators::{Estimate, ShardRecord, merge, merge_so_far};
 
 use super::observed::Observed;
-use super::outcome::Outcome;
-use super::record::{WorkRecord, asked_series, moment_words};
+use super::record::{Content, WorkRecord, asked_series, moment_words};
 use crate::density::Requested;
 use crate::monte_carlo::{SampledRow, SampledRun, Sampling, Shard, sampled_shard};
 use crate::paths::{Paths, PathsError};
@@ -31,7 +30,7 @@ const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
 
 impl Visitor for Sampled<'_> {
-    type Output = Result<Outcome, RunError>;
+    type Output = Result<Computed<Content>, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
         self.sampled::<D>(&|paths, place| system.shard(paths, place))
@@ -40,7 +39,7 @@ impl Visitor for Sampled<'_> {
 
 impl Sampled<'_> {
     /// Runs the ensemble; `shard` runs a part of it.
-    fn sampled<const D: usize>(self, shard: Shard<'_, D>) -> Result<Outcome, RunError> {
+    fn sampled<const D: usize>(self, shard: Shard<'_, D>) -> Result<Computed<Content>, RunError> {
         let Self { scene, system: named, ref sampling, run } = self;
         let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
         let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
@@ -63,9 +62,7 @@ impl Sampled<'_> {
         };
         let Items { list, cpu_seconds } = match run.ensemble(inputs, &ensemble)? {
             Computed::Here(shards) => shards,
-            Computed::Elsewhere(files) => {
-                return Ok(Outcome { files, is_elsewhere: true, ..Outcome::default() });
-            }
+            Computed::Elsewhere(files) => return Ok(Computed::Elsewhere(files)),
         };
         let merged = merge(&list).and_then(|all| all.ensemble()).map_err(PathsError::from)?;
         let ensemble = SampledRun::of(&asked, &merged, cpu_seconds)?;
@@ -81,7 +78,8 @@ impl Sampled<'_> {
         let moment = |k: usize| values(&|row| &row.moments[k]);
         let exceedance = |k: usize| values(&|row| &row.exceedances[k]);
         let quantities = asked_series(scene, named, &moment, &exceedance);
-        Ok(Outcome { work, quantities, seed: Some(sampling.seed), ..Outcome::default() })
+        let content = Content { seed: Some(sampling.seed), work, quantities, ..Content::default() };
+        Ok(Computed::Here(content))
     }
 }
 

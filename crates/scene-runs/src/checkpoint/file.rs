@@ -236,10 +236,11 @@ pub(super) fn write(
 
 /// Event that a written file survives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Survives {
+pub enum Survives {
     /// A crash of the machine: the file is on disk before it gets its name.
     Machine,
-    /// The end of the process. A crash of the machine may truncate it, which is detected on reading.
+    /// The end of the process, for one of many files that are cheap to recompute: it does not wait for the disk. A crash of the machine
+    /// may truncate it, which is detected on reading.
     Process,
 }
 

@@ -143,7 +143,8 @@ fn a_file_of_other_bytes_or_one_that_was_not_there_is_refused_by_its_name() {
         Head::new("a-solver", &serde_json::json!({}), None, &files)
     };
     let path = folder.0.join("shard.bin");
-    write_file(&path, &head(&[("a.csv", "1"), ("b.csv", "2")]), &7_u64).unwrap();
+    let files = head(&[("a.csv", "1"), ("b.csv", "2")]);
+    write_file(&path, &files, &7_u64, Survives::Machine).unwrap();
     assert_eq!(read_file::<u64>(&path, &head(&[("a.csv", "1"), ("b.csv", "2")])).unwrap(), 7);
     for (files, file, found, expected) in [
         (vec![("a.csv", "1"), ("b.csv", "3")], "b.csv", "2", "3"),

@@ -13,7 +13,7 @@ use super::inputs::Inputs;
 use super::kind_run::Run;
 use super::run_error::RunError;
 use crate::causes::with_causes;
-use crate::checkpoint::{CheckpointError, Head, Start, read_file, write_block};
+use crate::checkpoint::{CheckpointError, Head, Start, Survives, read_file, write_file};
 use crate::output::write_json;
 
 /// Largest number of blocks: enough to balance 10,000 ranks, few enough for one folder.
@@ -143,7 +143,7 @@ impl<T: Serialize + DeserializeOwned> Store<T> for Files {
     }
 
     fn keep(&mut self, block: u64, part: &T) -> Result<(), Box<dyn Error + Send + Sync>> {
-        Ok(write_block(&self.path(block), &self.head, &(block, part))?)
+        Ok(write_file(&self.path(block), &self.head, &(block, part), Survives::Process)?)
     }
 }
 

@@ -46,6 +46,16 @@ pub enum Computed<T> {
     Elsewhere(Vec<PathBuf>),
 }
 
+impl<T> Computed<T> {
+    /// The same of what is made of the ensemble.
+    pub fn map<U>(self, of: impl FnOnce(T) -> U) -> Computed<U> {
+        match self {
+            Self::Here(all) => Computed::Here(of(all)),
+            Self::Elsewhere(files) => Computed::Elsewhere(files),
+        }
+    }
+}
+
 impl<T> std::fmt::Debug for Ensemble<'_, T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} {}", self.n, self.what)
@@ -113,10 +123,7 @@ impl Run<'_> {
         };
         let block = |block| items(block..block + 1, n);
         let here = || self.in_sequence(inputs, ensemble, &items);
-        Ok(match self.parts(inputs, n, &block, &words, here)? {
-            Computed::Here(parts) => Computed::Here(Items::join(parts)),
-            Computed::Elsewhere(files) => Computed::Elsewhere(files),
-        })
+        Ok(self.parts(inputs, n, &block, &words, here)?.map(Items::join))
     }
 
     /// The items of this process, after those of the checkpoint of an earlier run.

@@ -10,7 +10,7 @@ use super::inputs::Inputs;
 use super::kind_run::Run;
 use super::part::{EnsemblePart, Place, ShardsError};
 use super::run_error::RunError;
-use crate::checkpoint::{read_file, write_file};
+use crate::checkpoint::{Survives, read_file, write_file};
 
 impl Run<'_> {
     /// Part of the ensemble to compute.
@@ -56,7 +56,7 @@ impl Run<'_> {
         content: &T,
     ) -> Result<PathBuf, RunError> {
         let path = self.options.out.join(format!("shard-{}-of-{}.bin", place.shard, place.of));
-        write_file(&path, &self.shard_head(inputs)?, &(place, content))?;
+        write_file(&path, &self.shard_head(inputs)?, &(place, content), Survives::Machine)?;
         Ok(path)
     }
 

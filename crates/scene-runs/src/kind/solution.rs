@@ -6,6 +6,7 @@ use result_figures::Drawing;
 use result_pages::{Motion, Note};
 use serde_json::Value;
 
+use super::ensemble::Computed;
 use super::kind_run::Run;
 use super::run_error::{RunError, SolverError};
 use crate::answers::Answers;
@@ -15,14 +16,8 @@ use crate::report::Report;
 use crate::result_file::{self, ResultFile};
 use crate::scene::SceneFile;
 
-/// Outcome of a run on this process.
-#[derive(Debug)]
-pub enum Completed {
-    /// The solution of the scene.
-    Here(Box<Solution>),
-    /// The solution is not here: the files of a shard, or none on a rank without the results.
-    Elsewhere(Vec<PathBuf>),
-}
+/// Outcome of a run on this process: the solution of its scene, unless it is elsewhere.
+pub type Completed = Computed<Box<Solution>>;
 
 /// The solution of a scene, before anything of it is written.
 #[derive(Debug)]

@@ -99,14 +99,8 @@ fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
                 let message =
                     format!("the number {} is beyond the range of a double", number.value);
                 let help = Some("the largest double is 1.8e308".to_owned());
-                return Err(SceneError::at(
-                    origin,
-                    &path,
-                    range_of(value),
-                    message,
-                    "too large",
-                    help,
-                ));
+                let range = range_of(value);
+                return Err(SceneError::at(origin, &path, range, message, "too large", help));
             }
             Value::Object(object) => {
                 check_keys(origin, &path, object)?;
@@ -129,20 +123,13 @@ fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
 fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), SceneError> {
     let mut first_line = BTreeMap::new();
     for property in &object.properties {
-        let (name, range) = (property.name.as_str(), property.name.range());
+        let (name, range) = (property.name.as_str(), range_of(&property.name));
         let line = origin.text[..range.start].matches('\n').count() + 1;
         if let Some(first) = first_line.insert(name, line) {
             let message = format!("the key `{name}` is given twice");
             let help = Some(format!("it was first given in line {first}"));
             let path = join(path, name);
-            return Err(SceneError::at(
-                origin,
-                &path,
-                range.start..range.end,
-                message,
-                "second time",
-                help,
-            ));
+            return Err(SceneError::at(origin, &path, range, message, "second time", help));
         }
     }
     Ok(())
@@ -193,10 +180,7 @@ pub(super) fn locate(origin: &Origin, had_once: &[Retired], wrong: &WrongKey) ->
             [] => "one key is expected; none is given".to_owned(),
             _ => format!("one key is expected; {} are given: {}", names.len(), names.join(", ")),
         };
-        let place = object
-            .properties
-            .get(1)
-            .map_or(range, |second| second.name.range().start..second.name.range().end);
+        let place = object.properties.get(1).map_or(range, |second| range_of(&second.name));
         return SceneError::at(origin, path, place, message, "one too many", None);
     }
     SceneError::at(origin, path, range, message, "this value", None)
@@ -233,10 +217,7 @@ fn find<'t, 'a>(tree: &'t Value<'a>, path: &str) -> Place<'t, 'a> {
         match place.value {
             Value::Object(object) => {
                 let Some(property) = object.get(step) else { break };
-                place = Place {
-                    key: Some(property.name.range().start..property.name.range().end),
-                    value: &property.value,
-                };
+                place = Place { key: Some(range_of(&property.name)), value: &property.value };
             }
             Value::Array(array) => {
                 let Some(element) = step.parse::<usize>().ok().and_then(|i| array.elements.get(i))
@@ -253,14 +234,11 @@ fn find<'t, 'a>(tree: &'t Value<'a>, path: &str) -> Place<'t, 'a> {
 
 fn key_in(value: &Value<'_>, key: &str) -> Range<usize> {
     let property = value.as_object().and_then(|object| object.get(key));
-    property.map_or_else(
-        || range_of(value),
-        |property| property.name.range().start..property.name.range().end,
-    )
+    property.map_or_else(|| range_of(value), |property| range_of(&property.name))
 }
 
-fn range_of(value: &Value<'_>) -> Range<usize> {
-    value.range().start..value.range().end
+fn range_of(of: &impl Ranged) -> Range<usize> {
+    of.range().start..of.range().end
 }
 
 fn join(path: &str, key: &str) -> String {

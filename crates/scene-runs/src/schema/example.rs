@@ -9,6 +9,7 @@ use super::error::SchemaError;
 use super::rows::{Row, is_list_of_words, join, label, rows};
 use super::tree::{Holds, Tree};
 use crate::scene::SceneFile;
+use crate::scene::folder::files_by_name;
 
 /// A built-in scene.
 #[derive(Debug, Clone)]
@@ -30,26 +31,12 @@ pub(super) struct Examples(BTreeMap<(String, String), Example>);
 
 /// Scenes in the subfolders of a folder, by name.
 pub(super) fn built_in(folder: &Path) -> Result<Vec<BuiltIn>, SchemaError> {
-    let mut scenes = Vec::new();
-    for group in sorted(folder)?.into_iter().filter(|path| path.is_dir()) {
-        let is_scene = |path: &PathBuf| path.extension().is_some_and(|end| end == "json");
-        for path in sorted(&group)?.into_iter().filter(is_scene) {
-            let part =
-                |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let value = SceneFile::read(&path)?.keys().clone();
-            scenes.push(BuiltIn { name: format!("{}/{}", part(&group), part(&path)), value });
-        }
-    }
-    Ok(scenes)
-}
-
-fn sorted(folder: &Path) -> Result<Vec<PathBuf>, SchemaError> {
-    let entries = std::fs::read_dir(folder)
-        .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>());
-    let mut paths =
-        entries.map_err(|source| SchemaError::Folder { path: folder.into(), source })?;
-    paths.sort();
-    Ok(paths)
+    let files = files_by_name(folder);
+    let files = files.map_err(|(path, source)| SchemaError::Folder { path, source })?;
+    let scene = |(name, path): (String, PathBuf)| {
+        Ok(BuiltIn { name, value: SceneFile::read(&path)?.keys().clone() })
+    };
+    files.into_iter().map(scene).collect()
 }
 
 impl Examples {

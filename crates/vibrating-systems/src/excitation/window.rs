@@ -4,44 +4,62 @@ use std::sync::Arc;
 
 use crate::error::{Error, finite, not_negative, positive};
 
-/// The modulating window `a(t)` of a white noise `a(t) W(t)`.
-///
-/// A clone of a tabulated window shares its table.
-#[derive(Debug, Clone, PartialEq)]
+/// The modulating function `a(t)` of a noise.
+// A clone of a tabulated window shares its table.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", serde(rename_all = "snake_case", deny_unknown_fields))]
+#[cfg_attr(feature = "schema", schemars(rename = "WindowScene"))]
+#[cfg_attr(feature = "schema", schemars(example = Self::tabulated_example()))]
+#[cfg_attr(feature = "schema", schemars(example = Self::RisePlateauDecay { rise_exponent: 2.0, rise_end: 2.0, decay_rate: 0.5, decay_start: 6.0 }))]
+#[cfg_attr(feature = "schema", schemars(example = Self::SinglePeak { peak: 1.0, peak_time: 2.0 }))]
 pub enum Window {
     /// `a = 1` at all times.
+    #[default]
     Stationary,
-    /// Rise, plateau, exponential decay (Canor & Denoël 2013, eq 27):
-    ///
-    /// $$ a(t) = \begin{cases} (t/t_1)^{n_1} & t \le t_1 \\ 1 & t_1 < t < t_2 \\ e^{n_2 (t_2 - t)} & t_2 \le t \end{cases} $$
+    /// Rise, plateau, exponential decay (Canor & Denoël 2013, eq 27).
     RisePlateauDecay {
-        /// `n_1`, exponent of the rise.
+        /// `n_1`, the power of the rise (no unit).
         rise_exponent: f64,
-        /// `t_1`, end of the rise (time).
+        /// `t_1`, the end of the rise (s).
         rise_end: f64,
-        /// `n_2`, rate of the decay (1 per unit of time).
+        /// `n_2`, the rate of the decay (1/s).
         decay_rate: f64,
-        /// `t_2`, begin of the decay (time).
+        /// `t_2`, the beginning of the decay (s).
         decay_start: f64,
     },
-    /// Linear rise, one peak, exponential decay (Canor & Denoël 2013, eq 29):
-    ///
-    /// $$ a(t) = f_{max} \frac{t}{t_{max}} \exp\left(1 - \frac{t}{t_{max}}\right), \quad t \ge 0 . $$
+    /// Rise to one peak, and decay (Canor & Denoël 2013, eq 29).
     SinglePeak {
-        /// `f_max`, the amplitude at the peak.
+        /// `f_max`, the value at the peak (no unit).
         peak: f64,
-        /// `t_max`, when the peak is reached (time).
+        /// `t_max`, the time of the peak (s).
         peak_time: f64,
     },
-    /// Linear between the rows of a table.
-    Tabulated(TabulatedWindow),
+    /// Piecewise linear between rows `[t, a]`, `t` increasing (s and no unit).
+    Tabulated(#[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 2]>"))] TabulatedWindow),
 }
 
 /// A window that is linear between the rows `(t, a)` of a table; before the first row and after the last it keeps their
 /// amplitudes.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", serde(try_from = "Vec<[f64; 2]>", into = "Vec<[f64; 2]>"))]
 pub struct TabulatedWindow {
     rows: Arc<[[f64; 2]]>,
+}
+
+impl TryFrom<Vec<[f64; 2]>> for TabulatedWindow {
+    type Error = Error;
+
+    fn try_from(rows: Vec<[f64; 2]>) -> Result<Self, Error> {
+        Self::new(&rows)
+    }
+}
+
+impl From<TabulatedWindow> for Vec<[f64; 2]> {
+    fn from(table: TabulatedWindow) -> Self {
+        table.rows.to_vec()
+    }
 }
 
 impl TabulatedWindow {
@@ -85,6 +103,11 @@ impl TabulatedWindow {
 }
 
 impl Window {
+    #[cfg(feature = "schema")]
+    fn tabulated_example() -> Self {
+        Self::Tabulated(TabulatedWindow { rows: Arc::new([[0.0, 0.0], [2.0, 1.0], [6.0, 0.2]]) })
+    }
+
     /// The window of the paper's hysteretic example: `f_max = 1, t_max = 2` (Canor & Denoël 2013, section 4.2).
     pub const CANOR_DENOEL_2013_HYSTERETIC: Self = Self::SinglePeak { peak: 1.0, peak_time: 2.0 };
 
@@ -134,7 +157,13 @@ impl Window {
         self.amplitude(t) * (2.0 * noise_intensity).sqrt()
     }
 
-    /// `a(t)`; zero before `t = 0` where the window rises.
+    /// `a(t)`; zero before `t = 0` where the window rises. Of [`Window::RisePlateauDecay`]
+    ///
+    /// $$ a(t) = \begin{cases} (t/t_1)^{n_1} & t \le t_1 \\ 1 & t_1 < t < t_2 \\ e^{n_2 (t_2 - t)} & t_2 \le t \end{cases} $$
+    ///
+    /// and of [`Window::SinglePeak`]
+    ///
+    /// $$ a(t) = f_{max} \frac{t}{t_{max}} \exp\left(1 - \frac{t}{t_{max}}\right), \quad t \ge 0 . $$
     #[inline]
     #[must_use]
     pub fn amplitude(&self, t: f64) -> f64 {

@@ -8,26 +8,28 @@ use simd_lanes::power;
 use crate::Window;
 use crate::error::{Error, finite, not_negative, positive, within};
 
-/// Parameters of a [`BoucWen`] oscillator.
+/// A hysteretic oscillator.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "BoucWenScene"))]
 pub struct BoucWenParameters {
-    /// `omega_0 > 0`, natural circular frequency before yielding, for `A = 1` (rad per unit of time).
+    /// `omega_0`, the natural circular frequency before yielding (rad/s).
     pub natural_frequency: f64,
-    /// `xi >= 0`, damping ratio.
+    /// `xi`, the damping over the critical one (no unit).
     pub damping_ratio: f64,
-    /// `alpha` from 0 to 1, the share of the linear stiffness: 1 is a linear spring.
+    /// `alpha`, the share of the linear stiffness, from 0 to 1 (no unit).
     pub hardening: f64,
-    /// `A > 0`, slope of `z` over `q` at `z = 0`.
+    /// `A`, the slope of `z` over `q` at `z = 0` (no unit).
     pub initial_slope: f64,
-    /// `beta >= 0`, which makes the loop wide.
+    /// `beta`, which widens the loop (1/m^n).
     pub beta: f64,
-    /// `gamma > -beta`, which bends the loop.
+    /// `gamma`, which shapes the loop (1/m^n).
     pub gamma: f64,
-    /// `n > 0`, how sharply it yields.
+    /// `n`, the sharpness of yielding (no unit).
     pub exponent: f64,
-    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`.
+    /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`, the modulating function (window).
+    /// `a(t)`, the modulating function of the noise.
     pub window: Window,
 }
 
@@ -62,8 +64,9 @@ impl BoucWen {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::Negative`], [`Error::OutOfRange`], [`Error::OutOfOrder`],
-    /// naming the parameter.
+    /// [`Error::NotPositive`] for the frequency, the initial slope and the exponent; [`Error::Negative`] for damping, `beta` and
+    /// noise; [`Error::OutOfRange`] for the hardening; [`Error::OutOfOrder`] where `gamma` does not exceed `-beta`;
+    /// [`Error::NotFinite`], and those of [`Window::check`].
     pub fn new(parameters: BoucWenParameters) -> Result<Self, Error> {
         let p = &parameters;
         positive("natural_frequency", p.natural_frequency)?;

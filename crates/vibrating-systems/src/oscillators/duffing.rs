@@ -7,12 +7,14 @@ use crate::oscillators::first_order::first_order;
 use crate::stationary::StationaryOscillator;
 use crate::{LinearOscillator, LinearOscillatorParameters};
 
-/// Parameters of a [`Duffing`] oscillator.
+/// An oscillator with a cubic spring.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "DuffingScene"))]
 pub struct DuffingParameters {
     /// The oscillator without its cubic spring.
     pub structure: LinearOscillatorParameters,
-    /// `epsilon >= 0`, the cubic part of the spring (1 per displacement squared).
+    /// `epsilon`, the cubic part of the spring (1/m^2).
     pub cubic_stiffness: f64,
 }
 
@@ -35,7 +37,7 @@ impl Duffing {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::Negative`], [`Error::OutOfOrder`], naming the parameter.
+    /// [`Error::Negative`] for the cubic stiffness, [`Error::NotFinite`], and those of [`LinearOscillator::new`].
     pub fn new(parameters: DuffingParameters) -> Result<Self, Error> {
         let DuffingParameters { structure, cubic_stiffness } = parameters;
         let structure = LinearOscillator::new(structure)?;

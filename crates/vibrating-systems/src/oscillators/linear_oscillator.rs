@@ -6,17 +6,18 @@ use crate::Window;
 use crate::error::{Error, not_negative, positive};
 use crate::oscillators::first_order::first_order;
 
-/// Parameters of a [`LinearOscillator`].
+/// A structure in its first mode.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "StructureScene"))]
 pub struct LinearOscillatorParameters {
-    /// `omega_0 > 0`, natural circular frequency (rad per unit of time).
+    /// `w`, the natural circular frequency (rad/s).
     pub natural_frequency: f64,
-    /// `xi >= 0`, damping ratio.
+    /// `xi`, the damping over the critical one (no unit).
     pub damping_ratio: f64,
-    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`; it is the diffusion `D_22` at
-    /// `a = 1` (displacement squared per time cubed).
+    /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`, the modulating function (window).
+    /// `a(t)`, the modulating function of the noise.
     pub window: Window,
 }
 
@@ -35,7 +36,8 @@ impl LinearOscillator {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::Negative`], [`Error::OutOfOrder`], naming the parameter.
+    /// [`Error::NotPositive`] for the frequency, [`Error::Negative`] for damping and noise, [`Error::NotFinite`], and those of
+    /// [`Window::check`].
     pub fn new(parameters: LinearOscillatorParameters) -> Result<Self, Error> {
         positive("natural_frequency", parameters.natural_frequency)?;
         not_negative("damping_ratio", parameters.damping_ratio)?;

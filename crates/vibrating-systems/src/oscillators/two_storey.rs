@@ -6,22 +6,24 @@ use crate::Window;
 use crate::error::{Error, not_negative, positive};
 use crate::oscillators::viscous_damper::damper_force;
 
-/// Parameters of a [`TwoStorey`] building; lists hold the lower storey first.
+/// A building of two storeys; lists are ordered from the lower storey.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "TwoStoreyScene"))]
 pub struct TwoStoreyParameters {
-    /// `m_1, m_2 > 0`, the masses of the floors.
+    /// `m_1, m_2`, the masses of the floors (kg).
     pub mass: [f64; 2],
-    /// `k_1, k_2 > 0`, the stiffness of the storeys (force per displacement).
+    /// `k_1, k_2`, the stiffness of the storeys (N/m).
     pub stiffness: [f64; 2],
-    /// `c_1, c_2 >= 0`, the damping of the storeys (force per velocity).
+    /// `c_1, c_2`, the damping of the storeys (N s/m).
     pub damping: [f64; 2],
-    /// `eta_1, eta_2 >= 0`, nonlinear dampers in the storeys (force per velocity to the power `alpha`); 0 for none.
+    /// `eta_1, eta_2`, the dampers in the storeys, 0 for none (N per (m/s)^alpha).
     pub damper_coefficient: [f64; 2],
-    /// `alpha > 0`, exponent of the dampers.
+    /// `alpha`, the power of the velocity in their force (no unit).
     pub damper_exponent: f64,
-    /// `S_0 >= 0`, intensity of the ground acceleration, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`.
+    /// `S_0`, the intensity of the ground acceleration (m^2/s^3).
     pub noise_intensity: f64,
-    /// `a(t)`, its window.
+    /// `a(t)`, the modulating function of the noise.
     pub window: Window,
 }
 
@@ -44,7 +46,8 @@ impl TwoStorey {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::Negative`], [`Error::OutOfOrder`], naming the parameter.
+    /// [`Error::NotPositive`] for masses, stiffness and exponent, [`Error::Negative`] for dampers and noise,
+    /// [`Error::NotFinite`], and those of [`Window::check`].
     pub fn new(parameters: TwoStoreyParameters) -> Result<Self, Error> {
         for storey in 0..2 {
             positive("mass", parameters.mass[storey])?;

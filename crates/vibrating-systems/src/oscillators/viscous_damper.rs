@@ -7,14 +7,16 @@ use crate::error::{Error, not_negative, positive};
 use crate::oscillators::first_order::first_order;
 use crate::{LinearOscillator, LinearOscillatorParameters};
 
-/// Parameters of a [`ViscousDamper`].
+/// A structure with a nonlinear viscous damper.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "DamperScene"))]
 pub struct ViscousDamperParameters {
-    /// The structure without its damper.
+    /// The structure without the damper.
     pub structure: LinearOscillatorParameters,
-    /// `eta >= 0`, coefficient of the damper (acceleration per velocity to the power `alpha`).
+    /// `eta`, the force of the damper over the mass (m/s^2 per (m/s)^alpha).
     pub damper_coefficient: f64,
-    /// `alpha > 0`, exponent of the damper; 0.2 to 1 for devices that are built.
+    /// `alpha`, the power of the velocity in that force (no unit).
     pub damper_exponent: f64,
 }
 
@@ -34,7 +36,8 @@ impl ViscousDamper {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`], [`Error::Negative`], [`Error::OutOfOrder`], naming the parameter.
+    /// [`Error::Negative`] for the coefficient, [`Error::NotPositive`] for the exponent, [`Error::NotFinite`], and those of
+    /// [`LinearOscillator::new`].
     pub fn new(parameters: ViscousDamperParameters) -> Result<Self, Error> {
         let ViscousDamperParameters { structure, damper_coefficient, damper_exponent } = parameters;
         let structure = LinearOscillator::new(structure)?;

@@ -7,12 +7,12 @@ use scene_runs::ladder::{Growth, Ladder, Method, Rung, Standing, two_digits, who
 use scene_runs::models::Ingredient;
 use scene_runs::models::edit::{changed, ingredient, replace};
 use scene_runs::scene::SceneFile;
+use vibrating_systems::Window;
 
 use crate::building::building_scene::{HysteresisScene, SoilScene};
 use crate::building::method_scene::BuildingMethod;
 use crate::building::scene::PassageScene;
 use crate::scene::Times;
-use crate::structure_scene::WindowScene;
 
 /// Smallest numbers of paths: guided, free, and of a level of subset simulation.
 const FIRST: [f64; 3] = [500.0, 1000.0, 100.0];
@@ -79,7 +79,7 @@ pub(super) fn ingredients(scene: &PassageScene) -> Vec<Ingredient> {
         }),
         without("the soil", |scene| replace(&mut scene.ground.soil, SoilScene::None)),
         without("the modulating function", |scene| {
-            replace(&mut scene.ground.window, WindowScene::Stationary)
+            replace(&mut scene.ground.window, Window::Stationary)
         }),
     ];
     all.into_iter().flatten().collect()

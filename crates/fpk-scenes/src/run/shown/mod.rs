@@ -3,6 +3,7 @@
 //! It computes no value and knows no solver.
 
 pub(crate) mod answers;
+pub(crate) mod charts;
 pub(crate) mod findings;
 pub(crate) mod motion;
 pub(crate) mod observed;

@@ -7,12 +7,12 @@ use serde::{Serialize, Serializer};
 
 use super::super::resolutions::Resolutions;
 use super::observed::Observed;
-use crate::density::Exceedances;
+use crate::density::{Exceedances, Row};
 use crate::scene::FpkScene;
 use crate::system::System;
 
 /// Keys that this kind adds to the schema `run-result/1`.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(crate) struct Content {
     pub(crate) seed: Option<u64>,
     pub(crate) work: WorkRecord,
@@ -42,6 +42,23 @@ pub(crate) struct Series {
     pub(crate) quantity: String,
     pub(crate) unit: String,
     pub(crate) values: Vec<Observed>,
+}
+
+impl Series {
+    /// A series without unit.
+    pub(crate) fn new(of: Quantity, quantity: String, values: Vec<Observed>) -> Self {
+        Self { of, quantity, unit: String::new(), values }
+    }
+
+    /// A probability that a demand is above a threshold.
+    pub(crate) fn probability(
+        (by, threshold): (Probability, f64),
+        demand: &str,
+        values: Vec<Observed>,
+    ) -> Self {
+        let of = Quantity::Probability { by, threshold };
+        Self::new(of, format!("P({demand} > {threshold})"), values)
+    }
 }
 
 /// What a series is of. Its text is the id in `result.json`.
@@ -140,20 +157,22 @@ const ESTIMATORS: [Estimator; 3] = [
     (Probability::Indicator, |e| Some(e.indicator)),
 ];
 
+/// Quantities of a run that no scene asks for.
+type OfRun = (Quantity, &'static str, fn(&Row) -> Option<f64>);
+
+const OF_RUN: [OfRun; 3] = [
+    (Quantity::TotalMass, "sum of the masses", |row| Some(row.total_mass)),
+    (Quantity::CellMass, "mass over the cells", |row| row.cell_mass),
+    (Quantity::Entropy, "entropy (nats)", |row| Some(row.entropy)),
+];
+
 /// All quantities of the scene, without those that the method does not compute.
 pub(in crate::run) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
-    let series = |of: Quantity, quantity: String, values| Series {
-        of,
-        quantity,
-        unit: String::new(),
-        values,
+    let moment = |(k, powers): (usize, &Vec<u32>)| {
+        moment_series(powers, system, both.values(|row| Some(row.moments[k])))
     };
-    let mut all = Vec::new();
-    for (k, powers) in scene.moments.iter().enumerate() {
-        let values = both.values(|row| Some(row.moments[k]));
-        all.push(moment_series(powers, system, values));
-    }
-    let demand = demand_name(scene, system);
+    let mut all: Vec<Series> = scene.moments.iter().enumerate().map(moment).collect();
+    let demand = magnitude_name(scene, system);
     for (by, pick) in ESTIMATORS {
         for (k, &threshold) in scene.thresholds.iter().enumerate() {
             let mut values = both.values(|row| pick(&row.exceedances[k]));
@@ -170,25 +189,12 @@ pub(in crate::run) fn series(both: &Resolutions, scene: &FpkScene, system: &Syst
                     observed.may_lack(row.mass_outside);
                 }
             }
-            let quantity = format!("P(|{demand}| > {threshold})");
-            all.push(series(Quantity::Probability { by, threshold }, quantity, values));
+            all.push(Series::probability((by, threshold), &demand, values));
         }
     }
-    all.push(series(
-        Quantity::TotalMass,
-        "sum of the masses".into(),
-        both.values(|row| Some(row.total_mass)),
-    ));
-    all.push(series(
-        Quantity::CellMass,
-        "mass over the cells".into(),
-        both.values(|row| row.cell_mass),
-    ));
-    all.push(series(
-        Quantity::Entropy,
-        "entropy (nats)".into(),
-        both.values(|row| Some(row.entropy)),
-    ));
+    for (of, words, pick) in OF_RUN {
+        all.push(Series::new(of, words.to_owned(), both.values(pick)));
+    }
     all.retain(|series| !series.values.is_empty());
     all
 }
@@ -204,11 +210,9 @@ pub(crate) fn asked_series(
 ) -> Vec<Series> {
     let moments = scene.moments.iter().enumerate();
     let moments = moments.map(|(k, powers)| moment_series(powers, system, moment(k)));
-    let demand = demand_name(scene, system);
+    let demand = magnitude_name(scene, system);
     let exceedances = scene.thresholds.iter().enumerate().map(|(k, &threshold)| {
-        let quantity = format!("P(|{demand}| > {threshold})");
-        let of = Quantity::Probability { by: Probability::Exceedance, threshold };
-        Series { of, quantity, unit: String::new(), values: exceedance(k) }
+        Series::probability((Probability::Exceedance, threshold), &demand, exceedance(k))
     });
     moments.chain(exceedances).filter(|series| !series.values.is_empty()).collect()
 }
@@ -252,7 +256,17 @@ pub(crate) fn moment_words(powers: &[u32], states: &[&str]) -> String {
     format!("E[{}]", factors.join(" "))
 }
 
-/// Name of the demand.
-pub(crate) fn demand_name(scene: &FpkScene, system: &System) -> String {
-    scene.demand(system.states()).map(|demand| demand.name).unwrap_or_default()
+/// Name of the magnitude of the demand.
+pub(crate) fn magnitude_name(scene: &FpkScene, system: &System) -> String {
+    let name = scene.demand(system.states()).map(|demand| demand.name);
+    format!("|{}|", name.unwrap_or_default())
+}
+
+/// The time of a run and its first moment, for progress reports.
+pub(crate) fn progress_words(scene: &FpkScene, system: &System, t: f64, moments: &[f64]) -> String {
+    let first = scene.moments.first().zip(moments.first());
+    let words = first.map_or_else(String::new, |(powers, value)| {
+        format!(", {} = {value:.5e}", moment_words(powers, system.states()))
+    });
+    format!("t = {t:.4}{words}")
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{Ladder, Limits, Method, Rung, Trial, climb, try_scene};
 use crate::kind::{RunError, SceneKind, kind_of};
 use crate::scene::SceneFile;
+use crate::scene::folder::files_by_name;
 
 /// A built-in scene.
 pub struct BuiltIn {
@@ -48,37 +49,28 @@ impl BuiltIn {
     /// # Errors
     /// [`BuiltInError`].
     pub fn all(table: &'static [SceneKind], root: &Path) -> Result<Vec<Self>, BuiltInError> {
-        let mut scenes = Vec::new();
-        for folder in listed(root)? {
-            for path in listed(&folder)? {
-                if path.extension().is_some_and(|ending| ending == "json") {
-                    scenes.extend(Self::read(table, root, &path)?);
-                }
-            }
-        }
-        Ok(scenes)
+        let files = files_by_name(root);
+        let files = files.map_err(|(folder, source)| BuiltInError::Folder { folder, source })?;
+        let scenes = files.into_iter().filter_map(|(name, path)| Self::read(table, name, &path));
+        scenes.collect()
     }
 
-    /// The ladder; none for a scene of a kind without one.
+    /// A scene with its ladder; none for a kind without one.
     fn read(
         table: &'static [SceneKind],
-        root: &Path,
+        name: String,
         path: &Path,
-    ) -> Result<Option<Self>, BuiltInError> {
-        let inside = path.strip_prefix(root).unwrap_or(path).with_extension("");
-        let name = inside.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/");
+    ) -> Option<Result<Self, BuiltInError>> {
         let read = || -> Result<_, RunError> {
             let file = SceneFile::read(path)?;
             let kind = kind_of(table, &file)?;
-            let ladder = (kind.ladder)(&file)?;
+            let ladder = Arc::new((kind.ladder)(&file)?);
             Ok((file, kind, ladder))
         };
         match read() {
-            Ok((file, kind, ladder)) => {
-                Ok(Some(Self { name, file, kind, ladder: Arc::new(ladder) }))
-            }
-            Err(RunError::NoLadder { .. }) => Ok(None),
-            Err(source) => Err(BuiltInError::Scene { name, source }),
+            Ok((file, kind, ladder)) => Some(Ok(Self { name, file, kind, ladder })),
+            Err(RunError::NoLadder { .. }) => None,
+            Err(source) => Some(Err(BuiltInError::Scene { name, source })),
         }
     }
 
@@ -111,16 +103,4 @@ impl std::fmt::Debug for BuiltIn {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.debug_struct("BuiltIn").field("name", &self.name).finish_non_exhaustive()
     }
-}
-
-/// Entries of a folder, by name.
-fn listed(folder: &Path) -> Result<Vec<PathBuf>, BuiltInError> {
-    let refused = |source| BuiltInError::Folder { folder: folder.into(), source };
-    let entries = std::fs::read_dir(folder).map_err(refused)?;
-    let mut paths = Vec::new();
-    for entry in entries {
-        paths.push(entry.map_err(refused)?.path());
-    }
-    paths.sort();
-    Ok(paths)
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::ingredient::Ingredient;
+use super::Ingredient;
 use crate::ladder::keys;
 use crate::scene::Scene;
 

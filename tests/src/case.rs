@@ -1,5 +1,6 @@
 //! What a case is, and what it may ask of the run it is part of.
 
+use std::fmt;
 use std::ops::Deref;
 use std::sync::{Mutex, PoisonError};
 
@@ -9,13 +10,18 @@ pub use reference_problems::context::{CaseError, Profile, Shared, SharedTypeErro
 use crate::claim::Subject;
 use crate::report::Claim;
 
-/// Whether other cases may run beside a case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Schedule {
+/// The result of a case: its claims, unless another type is named.
+pub type CaseResult<T = Vec<Claim>> = Result<T, CaseError>;
+
+/// What a case does, and whether others may run beside it.
+///
+/// A claim that does not hold is no error; an error is a case that could not be judged.
+#[derive(Debug, Clone, Copy)]
+pub enum Run {
     /// On one core, with others on the other cores.
-    Together,
+    Together(fn(&Context<'_>) -> CaseResult),
     /// On all cores after the others, since it measures time or kills processes.
-    Alone,
+    Alone(fn(&Context<'_>) -> CaseResult),
 }
 
 /// One entry of the table [`crate::cases::ALL`].
@@ -29,10 +35,8 @@ pub struct Case {
     pub source: &'static str,
     /// The smallest profile that runs it; larger ones run it too.
     pub cost: Profile,
-    /// Whether other cases may run beside it.
-    pub schedule: Schedule,
-    /// Runs it. A claim that does not hold is no error; an error is a case that could not be judged.
-    pub run: fn(&Context<'_>) -> Result<Vec<Claim>, CaseError>,
+    /// Runs it.
+    pub run: Run,
 }
 
 /// What a running case is given; what a chart is given too is that of [`context::Context`].
@@ -66,8 +70,19 @@ impl<'a> Context<'a> {
 
     /// What a claim of this case is about; `name` follows the id of the case, e.g. `second-moment-q/t6`.
     #[must_use]
-    pub fn subject(&self, name: &str, quantity: &str, unit: &str, method: &str) -> Subject {
-        Subject::new(format!("{}/{name}", self.id), quantity, unit, method)
+    pub fn subject(
+        &self,
+        name: impl fmt::Display,
+        quantity: impl Into<String>,
+        method: impl Into<String>,
+    ) -> Subject {
+        Subject::new(format!("{}/{name}", self.id), quantity, method)
+    }
+
+    /// Claims of one run: `id` begins their names, unless it is empty.
+    #[must_use]
+    pub fn lines(&self, id: impl Into<String>, method: impl Into<String>) -> Lines<'_> {
+        Lines { context: self, id: id.into(), method: method.into() }
     }
 
     /// Reports what is not claimed here and why, e.g. `ranks of mpirun: it is not installed`: it is printed below the claims.
@@ -82,14 +97,33 @@ impl<'a> Context<'a> {
     }
 }
 
+/// One run of a case: the front of the ids of its claims, empty for none, and its method.
+#[derive(Debug, Clone)]
+pub struct Lines<'a> {
+    /// Context of the case.
+    pub context: &'a Context<'a>,
+    /// The front of the ids.
+    pub id: String,
+    /// With which method, resolution and sample count.
+    pub method: String,
+}
+
+impl Lines<'_> {
+    /// What a claim of the run is about.
+    #[must_use]
+    pub fn of(&self, name: impl fmt::Display, quantity: impl Into<String>) -> Subject {
+        let slash = if self.id.is_empty() { "" } else { "/" };
+        self.context.subject(format!("{}{slash}{name}", self.id), quantity, self.method.as_str())
+    }
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
 
     /// A case that claims nothing.
     pub(crate) const fn case(id: &'static str, cost: Profile) -> Case {
-        let schedule = Schedule::Together;
-        Case { id, title: "t", source: "s", cost, schedule, run: |_| Ok(Vec::new()) }
+        Case { id, title: "t", source: "s", cost, run: Run::Together(|_| Ok(Vec::new())) }
     }
 
     #[test]
@@ -97,7 +131,7 @@ pub(crate) mod tests {
         let shared = Shared::default();
         let context = Context::new("crate/scene", Profile::Quick, &shared, &|_| {});
         assert_eq!(
-            context.subject("moment/t6", "E[q^2]", "m^2", "fit").id,
+            context.subject("moment/t6", "E[q^2]", "fit").unit("m^2").id,
             "crate/scene/moment/t6"
         );
     }

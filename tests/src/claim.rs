@@ -1,5 +1,6 @@
 //! From a measured value and its reference to a verdict.
 //!
+//! A claim reads as a sentence: `lines.of(name, quantity).relative(value, reference).within(tolerance).because(reason)`.
 //! The error is formed by its [`ErrorKind`], the verdict by a [`Criterion`]; neither is ever stated by hand.
 //! A NaN fails, as does a claim without a reason or one that its own uncertainty would make empty.
 
@@ -38,10 +39,200 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Names what is claimed; inside a case, [`crate::case::Context::subject`] puts the id of the case in front.
+    /// Names what is claimed, a pure number. In a case, [`Context::subject`](crate::case::Context::subject) adds the case's id.
     #[must_use]
-    pub fn new(id: impl Into<String>, quantity: &str, unit: &str, method: &str) -> Self {
-        Self { id: id.into(), quantity: quantity.into(), unit: unit.into(), method: method.into() }
+    pub fn new(
+        id: impl Into<String>,
+        quantity: impl Into<String>,
+        method: impl Into<String>,
+    ) -> Self {
+        let (id, quantity, method) = (id.into(), quantity.into(), method.into());
+        Self { id, quantity, unit: String::new(), method }
+    }
+
+    /// The same with a unit.
+    #[must_use]
+    pub fn unit(self, unit: impl Into<String>) -> Self {
+        Self { unit: unit.into(), ..self }
+    }
+
+    /// A value and its reference, compared by a kind of error.
+    #[must_use]
+    pub fn compared(
+        self,
+        kind: ErrorKind,
+        measured: impl Into<Measured>,
+        reference: impl Into<Reference>,
+    ) -> Comparison {
+        Comparison { subject: self, kind, measured: measured.into(), reference: reference.into() }
+    }
+
+    /// A value and its reference: their relative distance.
+    #[must_use]
+    pub fn relative(
+        self,
+        measured: impl Into<Measured>,
+        reference: impl Into<Reference>,
+    ) -> Comparison {
+        self.compared(ErrorKind::Relative, measured, reference)
+    }
+
+    /// A value and its reference: their difference.
+    #[must_use]
+    pub fn absolute(
+        self,
+        measured: impl Into<Measured>,
+        reference: impl Into<Reference>,
+    ) -> Comparison {
+        self.compared(ErrorKind::Absolute, measured, reference)
+    }
+
+    /// A probability and its reference: the difference of their decimal logarithms.
+    #[must_use]
+    pub fn log10(
+        self,
+        measured: impl Into<Measured>,
+        reference: impl Into<Reference>,
+    ) -> Comparison {
+        self.compared(ErrorKind::Log10, measured, reference)
+    }
+
+    /// A fitted order with its standard error, and the expected order.
+    #[must_use]
+    pub fn order(self, fitted: Measured, expected: f64) -> Comparison {
+        self.compared(ErrorKind::Order, fitted, expected)
+    }
+
+    /// An error, which should be zero: passes if its size is within the tolerance.
+    #[must_use]
+    pub fn bounded(self, error: f64, tolerance: f64) -> Pending<impl FnOnce(&str) -> Claim> {
+        self.absolute(error, 0.0).within(tolerance)
+    }
+
+    /// A value without a reference, held to the range in which it was measured: a regression bound.
+    #[must_use]
+    pub fn measured(
+        self,
+        value: impl Into<Measured>,
+        (from, to): (f64, f64),
+    ) -> Pending<impl FnOnce(&str) -> Claim> {
+        let measured = value.into();
+        Pending(move |reason: &str| self.in_range(measured, (from, to), reason))
+    }
+
+    fn in_range(self, measured: Measured, (from, to): (f64, f64), reason: &str) -> Claim {
+        let outside = !(from <= measured.value && measured.value <= to);
+        let objection = unusable(measured, None)
+            .or_else(|| no_reason(reason))
+            .or_else(|| outside.then(|| format!("measured {} is outside", measured.value)));
+        let reason = format!("{REGRESSION_BOUND}value in [{from}, {to}]: {reason}");
+        Claim {
+            measured: finite(measured.value),
+            standard_error: measured.standard_error.and_then(finite),
+            passed: objection.is_none(),
+            kind: ClaimKind::RegressionBound,
+            reason: with_objection(reason, objection),
+            ..self.without_numbers()
+        }
+    }
+
+    /// Two results that must be bitwise identical: `n_different` values out of `n_compared` differ.
+    #[must_use]
+    pub fn same_bits(
+        self,
+        n_different: usize,
+        n_compared: usize,
+    ) -> Pending<impl FnOnce(&str) -> Claim> {
+        Pending(move |reason: &str| {
+            let mut claim = self.bounded(n_different as f64, 0.0).because(reason).structural();
+            claim.reason = format!("{} ({n_compared} values compared)", claim.reason);
+            claim.passed &= n_compared > 0;
+            claim
+        })
+    }
+
+    /// A claim that fails, without numbers.
+    fn without_numbers(self) -> Claim {
+        Claim {
+            id: self.id,
+            quantity: self.quantity,
+            unit: Some(self.unit).filter(|unit| !unit.is_empty()),
+            method: self.method,
+            measured: None,
+            standard_error: None,
+            reference: None,
+            reference_error: None,
+            error: None,
+            error_kind: ErrorKind::Absolute,
+            tolerance: None,
+            reason: String::new(),
+            passed: false,
+            kind: ClaimKind::Structural,
+        }
+    }
+}
+
+/// A claim that lacks its reason.
+#[derive(Debug, Clone)]
+pub struct Pending<F>(F);
+
+impl<F: FnOnce(&str) -> Claim> Pending<F> {
+    /// The claim with the reason for its tolerance: truncation, roundoff, or what was measured.
+    #[must_use]
+    pub fn because(self, reason: &str) -> Claim {
+        (self.0)(reason)
+    }
+}
+
+/// A value beside its reference; a criterion makes it a [`Claim`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    subject: Subject,
+    kind: ErrorKind,
+    measured: Measured,
+    reference: Reference,
+}
+
+impl Comparison {
+    /// [`Criterion::Within`] a tolerance.
+    #[must_use]
+    pub fn within(self, tolerance: f64) -> Pending<impl FnOnce(&str) -> Claim> {
+        Pending(move |reason: &str| self.judged(Criterion::Within { tolerance, reason }))
+    }
+
+    /// [`Criterion::MonteCarlo`] with a bias bound.
+    #[must_use]
+    pub fn monte_carlo(self, bias_bound: f64) -> Pending<impl FnOnce(&str) -> Claim> {
+        Pending(move |reason: &str| self.judged(Criterion::MonteCarlo { bias_bound, reason }))
+    }
+
+    /// [`Criterion::AsMeasured`]: a regression bound of the error.
+    #[must_use]
+    pub fn as_measured(self, from: f64, to: f64) -> Pending<impl FnOnce(&str) -> Claim> {
+        Pending(move |reason: &str| self.judged(Criterion::AsMeasured { from, to, reason }))
+    }
+
+    /// Forms the error and decides whether it passes.
+    #[must_use]
+    pub fn judged(self, criterion: Criterion<'_>) -> Claim {
+        let Self { subject, kind, measured, reference } = self;
+        let error = kind.error(measured.value, reference.value);
+        let spread = kind.spread(measured, reference);
+        let verdict = criterion.decide(kind, error, spread, measured.standard_error.is_some());
+        let unusable = unusable(measured, Some(reference));
+        Claim {
+            measured: finite(measured.value),
+            standard_error: measured.standard_error.and_then(finite),
+            reference: finite(reference.value),
+            reference_error: reference.error.and_then(finite),
+            error: finite(error),
+            error_kind: kind,
+            tolerance: finite(verdict.tolerance),
+            passed: verdict.objection.is_none() && unusable.is_none(),
+            kind: criterion.kind(kind, measured, reference),
+            reason: with_objection(verdict.reason, unusable.or(verdict.objection)),
+            ..subject.without_numbers()
+        }
     }
 }
 
@@ -74,102 +265,6 @@ pub enum Criterion<'a> {
 }
 
 impl Claim {
-    /// Forms the error of `measured` against `reference` and decides whether it passes.
-    #[must_use]
-    pub fn judge(
-        subject: Subject,
-        kind: ErrorKind,
-        measured: Measured,
-        reference: Reference,
-        criterion: Criterion<'_>,
-    ) -> Self {
-        let error = kind.error(measured.value, reference.value);
-        let spread = kind.spread(measured, reference);
-        let verdict = criterion.decide(kind, error, spread, measured.standard_error.is_some());
-        let unusable = unusable(measured, Some(reference));
-        Self {
-            id: subject.id,
-            quantity: subject.quantity,
-            unit: Some(subject.unit).filter(|unit| !unit.is_empty()),
-            method: subject.method,
-            measured: finite(measured.value),
-            standard_error: measured.standard_error.and_then(finite),
-            reference: finite(reference.value),
-            reference_error: reference.error.and_then(finite),
-            error: finite(error),
-            error_kind: kind,
-            tolerance: finite(verdict.tolerance),
-            passed: verdict.objection.is_none() && unusable.is_none(),
-            kind: criterion.kind(kind, measured, reference),
-            reason: with_objection(verdict.reason, unusable.or(verdict.objection)),
-        }
-    }
-
-    /// A value and a reference that are both exact: passes if |error| is within the tolerance.
-    #[must_use]
-    pub fn within(
-        subject: Subject,
-        kind: ErrorKind,
-        (measured, reference): (f64, f64),
-        tolerance: f64,
-        reason: &str,
-    ) -> Self {
-        let (measured, reference) = (Measured::exact(measured), Reference::exact(reference));
-        Self::judge(subject, kind, measured, reference, Criterion::Within { tolerance, reason })
-    }
-
-    /// A value without a reference, held to the range in which it was measured: a regression bound.
-    #[must_use]
-    pub fn as_measured(
-        subject: Subject,
-        measured: Measured,
-        from: f64,
-        to: f64,
-        reason: &str,
-    ) -> Self {
-        let outside = !(from <= measured.value && measured.value <= to);
-        let objection = unusable(measured, None)
-            .or_else(|| no_reason(reason))
-            .or_else(|| outside.then(|| format!("measured {} is outside", measured.value)));
-        Self {
-            id: subject.id,
-            quantity: subject.quantity,
-            unit: Some(subject.unit).filter(|unit| !unit.is_empty()),
-            method: subject.method,
-            measured: finite(measured.value),
-            standard_error: measured.standard_error.and_then(finite),
-            reference: None,
-            reference_error: None,
-            error: None,
-            error_kind: ErrorKind::Absolute,
-            tolerance: None,
-            passed: objection.is_none(),
-            kind: ClaimKind::RegressionBound,
-            reason: with_objection(
-                format!("{REGRESSION_BOUND}value in [{from}, {to}]: {reason}"),
-                objection,
-            ),
-        }
-    }
-
-    /// Two results that must be bitwise identical: `n_different` values out of `n_compared` differ.
-    #[must_use]
-    pub fn same_bits(
-        subject: Subject,
-        n_different: usize,
-        n_compared: usize,
-        reason: &str,
-    ) -> Self {
-        let error = (n_different as f64, 0.0);
-        let mut claim = Self::within(subject, ErrorKind::Absolute, error, 0.0, reason);
-        claim.kind = ClaimKind::Structural;
-        claim.reason = format!("{} ({n_compared} values compared)", claim.reason);
-        if n_compared == 0 {
-            claim.passed = false;
-        }
-        claim
-    }
-
     /// The same claim, counted as one of structure: a property without a reference value, e.g. an invariant or a typed error.
     ///
     /// Equal bits and counts (an absolute tolerance of zero about an exact whole number) are structural without it.
@@ -223,22 +318,8 @@ impl Claim {
     /// The row of a case that ended in an error.
     #[must_use]
     pub fn case_error(case_id: &str, message: &str) -> Self {
-        Self {
-            id: format!("{case_id}/ran"),
-            quantity: "the case ran to its end".into(),
-            unit: None,
-            method: String::new(),
-            measured: None,
-            standard_error: None,
-            reference: None,
-            reference_error: None,
-            error: None,
-            error_kind: ErrorKind::Absolute,
-            tolerance: None,
-            reason: format!("error: {message}"),
-            passed: false,
-            kind: ClaimKind::Structural,
-        }
+        let subject = Subject::new(format!("{case_id}/ran"), "the case ran to its end", "");
+        Self { reason: format!("error: {message}"), ..subject.without_numbers() }
     }
 }
 

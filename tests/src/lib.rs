@@ -6,9 +6,9 @@
 pub mod case;
 pub mod cases;
 pub mod claim;
-pub mod peridyn;
+mod peridyn;
 pub mod report;
-pub mod smpm;
+mod smpm;
 pub mod verify;
 
 /// The example of the front page, compiled and run.

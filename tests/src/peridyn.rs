@@ -1,4 +1,4 @@
 //! What only cases of `peridyn-sde` use.
 
-pub mod concrete;
-pub mod plate;
+pub(crate) mod concrete;
+pub(crate) mod plate;

@@ -58,7 +58,7 @@ pub struct CaseRecord {
 
 /// One number, what it should have been, and the verdict.
 ///
-/// Made by [`Claim::judge`] and its relatives, so that error and verdict always follow from the numbers.
+/// Made by [`Comparison::judged`](crate::claim::Comparison::judged) and its relatives, so that error and verdict always follow from the numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claim {
@@ -207,14 +207,11 @@ mod tests {
     use crate::claim::Subject;
 
     fn sample() -> Report {
-        let subject = Subject::new("self-check/pi/value", "pi", "rad", "22/7");
-        let claim = Claim::within(
-            subject,
-            ErrorKind::Relative,
-            (22.0 / 7.0, std::f64::consts::PI),
-            1e-3,
-            "the error of 22/7 is 4.0e-4",
-        );
+        let claim = Subject::new("self-check/pi/value", "pi", "22/7")
+            .unit("rad")
+            .relative(22.0 / 7.0, std::f64::consts::PI)
+            .within(1e-3)
+            .because("the error of 22/7 is 4.0e-4");
         let case = CaseRecord {
             id: "self-check/pi".into(),
             title: "an approximation".into(),

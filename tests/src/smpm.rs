@@ -1,3 +1,3 @@
 //! What only cases of `smpm` use.
 
-pub mod riemann;
+pub(crate) mod riemann;

@@ -230,11 +230,10 @@ fn write_file(path: &Path, text: &str) -> Result<(), VerifyError> {
 
 #[cfg(test)]
 mod tests {
-    use result_figures::{ErrorKind, Measured, Reference};
+    use result_figures::{Measured, Reference};
 
     use super::*;
-    use crate::case::{Context, Schedule};
-    use crate::claim::Criterion;
+    use crate::case::{Context, Run};
     use crate::report::Claim;
 
     const METHOD: &str = "log-density fit, whitened, RK4, 1,700 particles";
@@ -242,25 +241,19 @@ mod tests {
     /// Moments and a probability with the shape, though not the numbers, of a real case.
     fn sample_claims(context: &Context<'_>) -> Vec<Claim> {
         let moment = |t: u32| {
-            let subject =
-                context.subject(&format!("second-moment-q/t{t}"), "E[q^2]", "m^2", METHOD);
             let (measured, reference) = (0.0412 + 1e-6 * f64::from(t), 0.0412);
-            let criterion = Criterion::Within { tolerance: 2e-4, reason: "truncation, seen 4e-5" };
-            let reference = Reference::uncertain(reference, 1e-7);
-            Claim::judge(
-                subject,
-                ErrorKind::Relative,
-                Measured::exact(measured),
-                reference,
-                criterion,
-            )
+            context
+                .subject(format!("second-moment-q/t{t}"), "E[q^2]", METHOD)
+                .unit("m^2")
+                .relative(measured, Reference::uncertain(reference, 1e-7))
+                .within(2e-4)
+                .because("truncation, seen 4e-5")
         };
-        let subject =
-            context.subject("exceedance/cell-integrated/t6", "P(|q| > 1.5) at t = 6", "", METHOD);
-        let criterion = Criterion::MonteCarlo { bias_bound: 0.01, reason: "time step bias" };
-        let measured = Measured::sampled(4.9e-9, 2e-10);
-        let tail =
-            Claim::judge(subject, ErrorKind::Log10, measured, Reference::exact(4.8e-9), criterion);
+        let tail = context
+            .subject("exceedance/cell-integrated/t6", "P(|q| > 1.5) at t = 6", METHOD)
+            .log10(Measured::sampled(4.9e-9, 2e-10), 4.8e-9)
+            .monte_carlo(0.01)
+            .because("time step bias");
         (1..=3).map(moment).chain([tail]).collect()
     }
 
@@ -270,16 +263,16 @@ mod tests {
             title: "Made-up rows in the shape of real ones",
             source: "made up",
             cost: Profile::Quick,
-            schedule: Schedule::Together,
-            run: |context| Ok(sample_claims(context)),
+            run: Run::Together(|context| Ok(sample_claims(context))),
         },
         Case {
             id: "self-check/stops",
             title: "A case that cannot be judged",
             source: "made up",
             cost: Profile::Quick,
-            schedule: Schedule::Together,
-            run: |_| Err("step collapsed at t = 3.2: dt = 3e-8 is below 1e-6 of a period".into()),
+            run: Run::Together(|_| {
+                Err("step collapsed at t = 3.2: dt = 3e-8 is below 1e-6 of a period".into())
+            }),
         },
     ];
 
@@ -354,11 +347,11 @@ mod tests {
     fn a_proof_with_a_loose_claim_is_listed_but_not_recorded() {
         let cases = [Case {
             id: "self-check/loose",
-            run: |context| {
-                let subject = context.subject("value", "x", "m", METHOD);
-                let values = (1.0 + 1e-6, 1.0);
-                Ok(vec![Claim::within(subject, ErrorKind::Relative, values, 1e-4, "truncation")])
-            },
+            run: Run::Together(|context| {
+                let subject = context.subject("value", "x", "by hand");
+                let compared = subject.relative(1.0 + 1e-6, 1.0);
+                Ok(vec![compared.within(1e-4).because("truncation")])
+            }),
             ..CASES[0]
         }];
         let root = workspace("verify-loose");

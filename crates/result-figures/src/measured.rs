@@ -23,6 +23,12 @@ impl Measured {
     }
 }
 
+impl From<f64> for Measured {
+    fn from(value: f64) -> Self {
+        Self::exact(value)
+    }
+}
+
 /// A reference value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reference {
@@ -43,5 +49,11 @@ impl Reference {
     #[must_use]
     pub const fn uncertain(value: f64, error: f64) -> Self {
         Self { value, error: Some(error) }
+    }
+}
+
+impl From<f64> for Reference {
+    fn from(value: f64) -> Self {
+        Self::exact(value)
     }
 }

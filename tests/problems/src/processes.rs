@@ -32,9 +32,6 @@ pub struct Scene {
 }
 
 /// For each solver a density or a single run, if it has one, and an ensemble.
-///
-/// # Errors
-/// Error for a built-in scene of another type.
 pub fn scenes() -> Result<Vec<Scene>, CaseError> {
     Ok(vec![
         density()?,
@@ -101,9 +98,6 @@ fn grids_of_a_plate() -> Result<Scene, CaseError> {
 }
 
 /// A crack scene with a number of realisations.
-///
-/// # Errors
-/// Those of [`scenes`](fn@scenes).
 pub fn cracks(realisations: u64) -> Result<Scene, CaseError> {
     let text = include_str!("../../../tests/scenes/peridyn/notched_plate_ensemble.json");
     let mut scene: CrackScene = built_in(text)?;
@@ -149,9 +143,6 @@ impl Scene {
     }
 
     /// Writes the scene as a file into a folder.
-    ///
-    /// # Errors
-    /// Errors of the file system.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, CaseError> {
         let path = folder.join(format!("{}.json", self.name));
         scene_runs::output::write_json(&path, &self.content)?;
@@ -159,9 +150,6 @@ impl Scene {
     }
 
     /// Writes the shorter scene, if there is one.
-    ///
-    /// # Errors
-    /// Errors of the file system.
     pub fn write_shorter(&self, folder: &Path) -> Result<Option<PathBuf>, CaseError> {
         let Some(shorter) = &self.shorter else { return Ok(None) };
         let path = folder.join(format!("{}-shorter.json", self.name));
@@ -174,9 +162,6 @@ impl Scene {
 pub const AS_SCENES: &str = "scenes";
 
 /// This program as the scenes command.
-///
-/// # Errors
-/// Errors of the operating system.
 pub fn command_of_scenes() -> Result<Command, CaseError> {
     let mut command = Command::new(std::env::current_exe()?);
     command.arg(AS_SCENES);
@@ -184,9 +169,6 @@ pub fn command_of_scenes() -> Result<Command, CaseError> {
 }
 
 /// Starts this program on a scene.
-///
-/// # Errors
-/// Errors of the operating system.
 pub fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseError> {
     let mut command = command_of_scenes()?;
     command.arg("run").arg(scene).arg("--out").arg(out);
@@ -195,9 +177,6 @@ pub fn started(scene: &Path, out: &Path, more: &[&str]) -> Result<Child, CaseErr
 }
 
 /// Starts a command and captures its stderr.
-///
-/// # Errors
-/// Errors of the operating system.
 pub fn piped(mut command: Command) -> Result<Child, CaseError> {
     Ok(command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?)
 }
@@ -213,9 +192,6 @@ pub fn finish(child: Child) -> Result<String, CaseError> {
 }
 
 /// All numbers and texts of a result except those of machine and clock, and its series files by their bytes.
-///
-/// # Errors
-/// Errors of the file system, and a result that is no JSON.
 pub fn outcome(folder: &Path) -> Result<BTreeSet<String>, CaseError> {
     let text = std::fs::read_to_string(folder.join("result.json"))?;
     let mut result: Value = serde_json::from_str(&text)?;

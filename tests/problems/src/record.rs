@@ -86,9 +86,6 @@ impl Recording {
     }
 
     /// The recording that a flag requests, if it is allowed.
-    ///
-    /// # Errors
-    /// Those of [`on`](Self::on).
     pub fn requested(is_asked: bool, profile: Profile) -> Result<Self, RecordError> {
         if is_asked { Self::on(profile) } else { Ok(Self::Off) }
     }

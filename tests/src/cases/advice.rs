@@ -1,19 +1,16 @@
 //! What is claimed of `advise`: on the built-in scenes its short trials find what longer ones confirm.
 
-use result_figures::Measured;
 use scenes::advise::{Advice, Candidate, Options, from_trials};
 use scenes::ladder::{BuiltIn, Trial, is_next_beyond, try_scene};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(super) const CASE: Case = Case {
     id: "advise/built-in-scenes",
     title: "What `advise` says from short trials, against longer ones of all methods",
     source: "the ladders of the built-in scenes, climbed until a run costs 5 s of CPU instead of 0.3 s",
     cost: Profile::Full,
-    schedule: Schedule::Alone,
-    run,
+    run: Alone(run),
 };
 
 /// The dearest short trial, and the dearest that judges it (CPU s).
@@ -43,7 +40,7 @@ struct Tally {
 /// CPU times below this are counted as this: they scatter by more than methods differ (s).
 const LEAST_COST: f64 = 0.02;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     for solver in ["fpk", "smpm", "peridyn"] {
         let mut all = Tally::default();
@@ -61,7 +58,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn tally(scene: &BuiltIn, tally: &mut Tally) -> Result<(), CaseError> {
+fn tally(scene: &BuiltIn, tally: &mut Tally) -> CaseResult<()> {
     let [short, long] = BUDGETS;
     let trials = scene.trials(long, |_, _| {});
     for tolerance in TOLERANCES {
@@ -137,19 +134,11 @@ fn judge_one(
 
 fn claim(context: &Context<'_>, solver: &str, tally: Tally) -> Claim {
     let Tally { given, good, silent, too_rough, too_dear } = tally;
-    let subject = context.subject(
-        solver,
-        "share of quantities and tolerances for which the advice is within a factor 2 of the cheapest",
-        "",
-        &format!(
-            "of {given}: {good} good, {silent} without advice, {too_rough} too rough, {too_dear} too dear"
-        ),
+    let quantity = "share of quantities and tolerances for which the advice is within a factor 2 of the cheapest";
+    let method = format!(
+        "of {given}: {good} good, {silent} without advice, {too_rough} too rough, {too_dear} too dear"
     );
-    Claim::as_measured(
-        subject,
-        Measured::exact(f64::from(good) / f64::from(given.max(1))),
-        SHARE,
-        1.0,
-        "what a user may rely on: four pieces of advice of five; the rest is an error of the trials",
-    )
+    let reason = "what a user may rely on: four pieces of advice of five; the rest is an error of the trials";
+    let share = f64::from(good) / f64::from(given.max(1));
+    context.subject(solver, quantity, method).measured(share, (SHARE, 1.0)).because(reason)
 }

@@ -1,31 +1,17 @@
-//! Claims of estimates with a standard error.
+//! Estimates as values and as references of claims.
 
-use result_figures::{ErrorKind, Measured, Reference};
+use result_figures::{Measured, Reference};
 use sde_integrators::Estimate;
 
-use crate::case::{CaseError, Context};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::case::CaseResult;
 
 /// The value of an estimate with its standard error.
-pub(crate) fn sampled(estimate: &Estimate) -> Result<Measured, CaseError> {
+pub(crate) fn sampled(estimate: &Estimate) -> CaseResult<Measured> {
     let standard_error = estimate.standard_error().ok_or("an estimate without standard error")?;
     Ok(Measured::sampled(estimate.value, standard_error))
 }
 
-/// A Monte Carlo claim against an exact value, relative.
-pub(crate) fn against_exact(
-    context: &Context<'_>,
-    (name, quantity, method): (&str, &str, &str),
-    estimate: &Estimate,
-    exact: f64,
-    (bias_bound, reason): (f64, &str),
-) -> Result<Claim, CaseError> {
-    Ok(Claim::judge(
-        context.subject(name, quantity, "", method),
-        ErrorKind::Relative,
-        sampled(estimate)?,
-        Reference::exact(exact),
-        Criterion::MonteCarlo { bias_bound, reason },
-    ))
+/// An estimate as a reference; without a standard error nothing can be claimed against it.
+pub(crate) fn estimated(estimate: &Estimate) -> Reference {
+    Reference::uncertain(estimate.value, estimate.standard_error().unwrap_or(f64::NAN))
 }

@@ -23,14 +23,12 @@ pub(crate) mod stated_errors;
 pub(crate) mod stationary_oscillators;
 pub(crate) mod viscous_damper;
 
+use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
 use reference_problems::fpk::problem::Problem;
-use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{Demand, DensityRun, Exceedances, Requested, Row};
 use scenes::fpk::scene::FpkScene;
 
-use crate::case::{CaseError, Context};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 /// One claim for a family that shares its criterion: a member that fails, else the one with the largest error; for
 /// regression bounds always that one. Its method says over what the family goes and which member it is.
@@ -38,7 +36,7 @@ fn worst(
     context: &Context<'_>,
     (name, over): (&str, &str),
     family: Vec<Claim>,
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let n = family.len();
     let size = |claim: &Claim| match claim.error {
         Some(error) if claim.passed || claim.is_regression_bound() => error.abs(),
@@ -46,7 +44,7 @@ fn worst(
     };
     let largest = family.into_iter().max_by(|a, b| size(a).total_cmp(&size(b)));
     let worst = largest.ok_or_else(|| format!("{name}: there is nothing to claim"))?;
-    let id = context.subject(name, "", "", "").id;
+    let id = context.subject(name, "", "").id;
     let front = |end: Option<usize>| id.get(..end.map_or(0, |end| end + 1)).unwrap_or("");
     let of_case = front(id.find(name).map(|start| start - 1));
     let family_name = front(id.rfind('/'));
@@ -61,9 +59,9 @@ fn over_threads(
     context: &Context<'_>,
     name: &str,
     reason: &str,
-    whole: impl Fn() -> Result<Vec<u64>, CaseError> + Sync,
-) -> Result<Vec<Claim>, CaseError> {
-    let on = |threads: usize| -> Result<Vec<u64>, CaseError> {
+    whole: impl Fn() -> CaseResult<Vec<u64>> + Sync,
+) -> CaseResult {
+    let on = |threads: usize| -> CaseResult<Vec<u64>> {
         context.progress(&format!("{name}, {threads} threads"));
         rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(&whole)
     };
@@ -72,13 +70,9 @@ fn over_threads(
     for threads in [2, 8] {
         let other = on(threads)?;
         let method = format!("{threads} threads against 1");
-        let subject = context.subject(
-            &format!("{name}/threads-{threads}"),
-            "values whose bits differ",
-            "",
-            &method,
-        );
-        claims.push(Claim::same_bits(subject, different(&one, &other), one.len(), reason));
+        let quantity = "values whose bits differ";
+        let subject = context.subject(format!("{name}/threads-{threads}"), quantity, &method);
+        claims.push(subject.same_bits(different(&one, &other), one.len()).because(reason));
     }
     Ok(claims)
 }
@@ -95,13 +89,22 @@ fn different(one: &[u64], other: &[u64]) -> usize {
 /// The moments that the references hold.
 const POWERS: [[u32; 2]; 6] = [[2, 0], [1, 1], [0, 2], [4, 0], [2, 2], [0, 4]];
 
+/// The flow-map fit on a lattice.
+const fn flow_map_fit<const D: usize>(
+    lattice: InitialLattice<D>,
+    reference_period: f64,
+) -> Config<D> {
+    let (method, most_steps) = (Method::FlowMapFit, DEFAULT_MOST_STEPS);
+    Config { method, lattice, reference_period, most_steps }
+}
+
 /// A scene by its file.
-fn scene(name: &str, text: &str) -> Result<FpkScene, CaseError> {
+fn scene(name: &str, text: &str) -> CaseResult<FpkScene> {
     Ok(FpkScene::read(name, text)?.0)
 }
 
 /// The row of a time, or why there is none.
-fn row(run: &DensityRun, t: f64) -> Result<&Row, CaseError> {
+fn row(run: &DensityRun, t: f64) -> CaseResult<&Row> {
     run.at(t).ok_or_else(|| format!("no row at t = {t}: {:?}", run.stopped).into())
 }
 
@@ -128,57 +131,43 @@ fn moment_words(powers: [u32; 2]) -> (&'static str, &'static str, &'static str) 
     }
 }
 
+/// `P(|q| > T)` at a time by an estimator.
+fn exceedance_at(lines: &Lines<'_>, estimator: &str, threshold: f64, t: f64) -> Subject {
+    let name = format!("exceedance-{estimator}/threshold-{threshold}/t{t}");
+    lines.of(name, format!("P(|q| > {threshold})"))
+}
+
 /// The run of a method against the references of its problem.
 struct Judge<'a> {
-    context: &'a Context<'a>,
     problem: &'a Problem,
     run: &'a DensityRun,
-    /// The method in ids.
-    id: &'a str,
-    /// The method in the table.
-    method: String,
+    lines: Lines<'a>,
 }
 
 impl Judge<'_> {
     /// A moment at a time.
-    fn moment(
-        &self,
-        powers: [u32; 2],
-        t: f64,
-        criterion: Criterion<'_>,
-    ) -> Result<Claim, CaseError> {
+    fn moment(&self, powers: [u32; 2], t: f64, criterion: Criterion<'_>) -> CaseResult<Claim> {
         let (name, quantity, unit) = moment_words(powers);
         let measured = self.row(t)?.moments[index_of(powers)];
-        let reference = self
-            .problem
-            .reference
-            .moment(powers, t)
-            .ok_or("no reference for this moment and time")?;
-        let subject =
-            self.context.subject(&format!("{}/{name}/t{t}", self.id), quantity, unit, &self.method);
-        Ok(Claim::judge(
-            subject,
-            ErrorKind::Relative,
-            Measured::exact(measured),
-            reference,
-            criterion,
-        ))
+        let subject = self.lines.of(format!("{name}/t{t}"), quantity).unit(unit);
+        Ok(subject.relative(measured, self.reference(powers, t)?).judged(criterion))
+    }
+
+    fn reference(&self, powers: [u32; 2], t: f64) -> CaseResult<Reference> {
+        let reference = self.problem.reference.moment(powers, t);
+        Ok(reference.ok_or("no reference for this moment and time")?)
     }
 
     /// `E[q v] / sqrt(E[q^2] E[v^2])`, both with the reference's second moments below the line: the cross moment passes
     /// through zero, where a relative error says nothing.
-    fn correlation(&self, t: f64, criterion: Criterion<'_>) -> Result<Claim, CaseError> {
-        let reference = |powers| {
-            self.problem.reference.moment(powers, t).ok_or("no reference for this moment and time")
-        };
-        let (qq, qv, vv) = (reference([2, 0])?, reference([1, 1])?, reference([0, 2])?);
-        let scale = (qq.value * vv.value).sqrt();
-        let measured = Measured::exact(self.row(t)?.moments[index_of([1, 1])] / scale);
-        let expected =
-            Reference { value: qv.value / scale, error: qv.error.map(|error| error / scale) };
-        let name = format!("{}/correlation/t{t}", self.id);
-        let subject = self.context.subject(&name, "corr(q, v)", "", &self.method);
-        Ok(Claim::judge(subject, ErrorKind::Absolute, measured, expected, criterion))
+    fn correlation(&self, t: f64, criterion: Criterion<'_>) -> CaseResult<Claim> {
+        let [qq, qv, vv] = [[2, 0], [1, 1], [0, 2]].map(|powers| self.reference(powers, t));
+        let (qv, scale) = (qv?, (qq?.value * vv?.value).sqrt());
+        let value = self.row(t)?.moments[index_of([1, 1])] / scale;
+        let error = qv.error.map(|error| error / scale);
+        let reference = Reference { value: qv.value / scale, error };
+        let subject = self.lines.of(format!("correlation/t{t}"), "corr(q, v)");
+        Ok(subject.absolute(value, reference).judged(criterion))
     }
 
     /// The worst of a moment over times.
@@ -187,26 +176,22 @@ impl Judge<'_> {
         powers: [u32; 2],
         times: &[f64],
         criterion: Criterion<'_>,
-    ) -> Result<Claim, CaseError> {
+    ) -> CaseResult<Claim> {
         let (name, ..) = moment_words(powers);
         let family = times.iter().map(|&t| self.moment(powers, t, criterion));
         self.worst(name, times, family.collect::<Result<_, _>>()?)
     }
 
     /// The worst of the correlation over times.
-    fn worst_correlation(
-        &self,
-        times: &[f64],
-        criterion: Criterion<'_>,
-    ) -> Result<Claim, CaseError> {
+    fn worst_correlation(&self, times: &[f64], criterion: Criterion<'_>) -> CaseResult<Claim> {
         let family = times.iter().map(|&t| self.correlation(t, criterion));
         self.worst("correlation", times, family.collect::<Result<_, _>>()?)
     }
 
     /// The worst of a family over times.
-    fn worst(&self, name: &str, times: &[f64], family: Vec<Claim>) -> Result<Claim, CaseError> {
-        let over = format!("t = {times:?}");
-        worst(self.context, (&format!("{}/{name}/worst", self.id), &over), family)
+    fn worst(&self, name: &str, times: &[f64], family: Vec<Claim>) -> CaseResult<Claim> {
+        let name = format!("{}/{name}/worst", self.lines.id);
+        worst(self.lines.context, (&name, &format!("t = {times:?}")), family)
     }
 
     /// `P(|q| > T)` by one of the three estimators.
@@ -216,19 +201,17 @@ impl Judge<'_> {
         threshold: f64,
         t: f64,
         criterion: Criterion<'_>,
-    ) -> Result<Claim, CaseError> {
-        let reference = self
-            .problem
-            .reference
-            .exceedance(threshold, t)
-            .ok_or("no reference for this exceedance")?;
-        let measured = Measured::exact(self.exceedance_value(estimator, threshold, t)?);
-        let name =
-            format!("{}/exceedance-{}/threshold-{threshold}/t{t}", self.id, estimator.name());
-        let quantity = format!("P(|q| > {threshold})");
-        let method = format!("{}; {} estimator", self.method, estimator.name());
-        let subject = self.context.subject(&name, &quantity, "", &method);
-        Ok(Claim::judge(subject, ErrorKind::Log10, measured, reference, criterion))
+    ) -> CaseResult<Claim> {
+        let scene = &self.problem.scene;
+        let k = scene.thresholds.iter().position(|&other| (other - threshold).abs() < 1e-12);
+        let exceedances = &self.row(t)?.exceedances[k.ok_or("no such threshold in the scene")?];
+        let value = estimator.of(exceedances).ok_or("cells were not asked for")?;
+        let reference = self.problem.reference.exceedance(threshold, t);
+        let reference = reference.ok_or("no reference for this exceedance")?;
+        let method = format!("{}; {} estimator", self.lines.method, estimator.name());
+        let lines = Lines { method, ..self.lines.clone() };
+        let subject = exceedance_at(&lines, estimator.name(), threshold, t);
+        Ok(subject.log10(value, reference).judged(criterion))
     }
 
     /// The worst of the exceedance probabilities over all times and thresholds with a reference of at least `floor`.
@@ -238,14 +221,14 @@ impl Judge<'_> {
         times: &[f64],
         floor: f64,
         criterion: Criterion<'_>,
-    ) -> Result<Claim, CaseError> {
+    ) -> CaseResult<Claim> {
         let family = self
             .exceedances_from(times, floor)
             .into_iter()
             .map(|(threshold, t, _)| self.exceedance(estimator, threshold, t, criterion));
-        let name = format!("{}/exceedance-{}/worst", self.id, estimator.name());
+        let name = format!("{}/exceedance-{}/worst", self.lines.id, estimator.name());
         let over = format!("t = {times:?} and thresholds with P >= {floor:e}");
-        worst(self.context, (&name, &over), family.collect::<Result<_, _>>()?)
+        worst(self.lines.context, (&name, &over), family.collect::<Result<_, _>>()?)
     }
 
     /// Thresholds and times whose reference is at least `floor`.
@@ -260,23 +243,7 @@ impl Judge<'_> {
         found
     }
 
-    fn exceedance_value(
-        &self,
-        estimator: ExceedanceEstimator,
-        threshold: f64,
-        t: f64,
-    ) -> Result<f64, CaseError> {
-        let k = self
-            .problem
-            .scene
-            .thresholds
-            .iter()
-            .position(|&other| (other - threshold).abs() < 1e-12);
-        let exceedances = &self.row(t)?.exceedances[k.ok_or("no such threshold in the scene")?];
-        estimator.of(exceedances).ok_or_else(|| "cells were not asked for".into())
-    }
-
-    fn row(&self, t: f64) -> Result<&Row, CaseError> {
+    fn row(&self, t: f64) -> CaseResult<&Row> {
         match (self.run.at(t), &self.run.stopped) {
             (Some(row), _) => Ok(row),
             (None, Some(error)) => Err(format!("the run ended before t = {t}: {error}").into()),

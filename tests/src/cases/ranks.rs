@@ -8,22 +8,18 @@ use std::time::Duration;
 
 use mpi_ensembles::ThreadRank;
 use reference_problems::processes::{AS_SCENES, Scene, finish, outcome, piped, scenes, started};
-use result_figures::ErrorKind;
 use scenes::ALL;
 use scenes::kind::{Options, Progress, run_on_ranks};
 use serde_json::Value;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Subject;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(super) const CASE: Case = Case {
     id: "mpi-ensembles/same-bits",
     title: "Ensembles on ranks that are threads, and on those of mpirun: whole, restarted, killed",
     source: "a run of the same scene in one process",
     cost: Profile::Default,
-    schedule: Schedule::Alone,
-    run,
+    run: Alone(run),
 };
 
 /// Numbers of ranks: one that blocks are dealt to evenly, one that they are not.
@@ -43,7 +39,7 @@ enum How {
     Mpirun,
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mpirun = match can_mpirun() {
         Ok(()) => true,
         Err(why) => {
@@ -53,7 +49,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     let folder = std::env::temp_dir().join(format!("ranks-{}", std::process::id()));
     let ensembles = scenes()?.into_iter().filter(|scene| scene.shards);
-    let claims: Result<Vec<_>, CaseError> = ensembles
+    let claims: CaseResult<Vec<_>> = ensembles
         .map(|scene| {
             let file = scene.write(&folder)?;
             let alone = folder.join(format!("{}-alone", scene.name));
@@ -97,15 +93,16 @@ struct Ensemble<'a> {
 
 impl Ensemble<'_> {
     fn subject(&self, name: &str, quantity: &str, method: &str) -> Subject {
-        self.context.subject(&format!("{}/{name}", self.scene.name), quantity, "", method)
+        self.context.subject(format!("{}/{name}", self.scene.name), quantity, method)
     }
 
     /// Entries of the results in a folder that are not those of one process.
-    fn same(&self, out: &Path, name: &str, method: &str, reason: &str) -> Result<Claim, CaseError> {
+    fn same(&self, out: &Path, name: &str, method: &str, reason: &str) -> CaseResult<Claim> {
         let different = self.entries.symmetric_difference(&outcome(out)?).count();
-        let quantity = "entries of results and files of series that differ";
-        let subject = self.subject(name, quantity, method);
-        Ok(Claim::same_bits(subject, different, self.entries.len(), reason))
+        Ok(self
+            .subject(name, "entries of results and files of series that differ", method)
+            .same_bits(different, self.entries.len())
+            .because(reason))
     }
 
     fn count(
@@ -117,16 +114,11 @@ impl Ensemble<'_> {
         expected: usize,
         reason: &'static str,
     ) -> Claim {
-        Claim::within(
-            self.subject(name, quantity, method),
-            ErrorKind::Absolute,
-            (found as f64, expected as f64),
-            0.0,
-            reason,
-        )
+        let compared = self.subject(name, quantity, method).absolute(found as f64, expected as f64);
+        compared.within(0.0).because(reason)
     }
 
-    fn claims(&self, how: How) -> Result<Vec<Claim>, CaseError> {
+    fn claims(&self, how: How) -> CaseResult {
         let (stem, ranks) = match how {
             How::Threads => ("threads", "ranks that are threads"),
             How::Mpirun => ("mpirun", "ranks of mpirun"),
@@ -152,12 +144,7 @@ impl Ensemble<'_> {
     }
 
     /// Blocks that are gone are computed, and no others; one that is damaged, or of another seed, is refused by name.
-    fn restarted(
-        &self,
-        how: How,
-        out: &Path,
-        (stem, ranks): (&str, &str),
-    ) -> Result<Vec<Claim>, CaseError> {
+    fn restarted(&self, how: How, out: &Path, (stem, ranks): (&str, &str)) -> CaseResult {
         let method = format!("--resume, {ranks}");
         let (blocks, first) = blocks(out)?;
         std::fs::remove_file(&first)?;
@@ -204,7 +191,7 @@ impl Ensemble<'_> {
     }
 
     /// What a run says that must be refused.
-    fn refusal(&self, how: How, out: &Path, more: &[&str]) -> Result<String, CaseError> {
+    fn refusal(&self, how: How, out: &Path, more: &[&str]) -> CaseResult<String> {
         match self.run_on(how, 2, out, more) {
             Ok(()) => {
                 Err(format!("{}: a run with {more:?} was not refused", self.scene.name).into())
@@ -213,14 +200,14 @@ impl Ensemble<'_> {
         }
     }
 
-    fn run_on(&self, how: How, n_ranks: usize, out: &Path, more: &[&str]) -> Result<(), CaseError> {
+    fn run_on(&self, how: How, n_ranks: usize, out: &Path, more: &[&str]) -> CaseResult<()> {
         match how {
             How::Threads => self.on_threads(n_ranks, out, more),
             How::Mpirun => finish(piped(self.mpirun(n_ranks, out, more)?)?).map(drop),
         }
     }
 
-    fn on_threads(&self, n_ranks: usize, out: &Path, more: &[&str]) -> Result<(), CaseError> {
+    fn on_threads(&self, n_ranks: usize, out: &Path, more: &[&str]) -> CaseResult<()> {
         let mut options = Options::new(out);
         options.seed = more.contains(&"--seed").then_some(99);
         if more.contains(&"--resume") {
@@ -241,7 +228,7 @@ impl Ensemble<'_> {
         Ok(ended.into_iter().collect::<Result<(), String>>()?)
     }
 
-    fn mpirun(&self, n_ranks: usize, out: &Path, more: &[&str]) -> Result<Command, CaseError> {
+    fn mpirun(&self, n_ranks: usize, out: &Path, more: &[&str]) -> CaseResult<Command> {
         let mut command = Command::new(MPIRUN);
         // A case runs where it runs: as root in a container, and with more ranks than cores.
         command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
@@ -251,7 +238,7 @@ impl Ensemble<'_> {
     }
 
     /// One of two ranks is killed when a block is done; nothing is claimed where the job ended before.
-    fn killed(&self) -> Result<Option<Claim>, CaseError> {
+    fn killed(&self) -> CaseResult<Option<Claim>> {
         self.context.progress(&format!("{}: a rank is killed", self.scene.name));
         let out = self.out("killed-rank");
         let mut command = self.mpirun(2, &out, &[])?;
@@ -277,7 +264,7 @@ impl Ensemble<'_> {
 }
 
 /// How many blocks are kept, and the first.
-fn blocks(out: &Path) -> Result<(usize, PathBuf), CaseError> {
+fn blocks(out: &Path) -> CaseResult<(usize, PathBuf)> {
     let mut files: Vec<PathBuf> = std::fs::read_dir(out.join("blocks"))?
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<Result<_, _>>()?;

@@ -7,20 +7,16 @@ use std::time::{Duration, Instant};
 use reference_problems::processes::{
     Scene, command_of_scenes, finish, outcome, piped, scenes, started,
 };
-use result_figures::ErrorKind;
 use sde_integrators::{Noise, Purpose};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Subject;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(super) const CASE: Case = Case {
     id: "run/resume",
     title: "Runs of scenes that are killed at random moments, made longer, or divided into shards",
     source: "a run of the same scene that nobody disturbs",
     cost: Profile::Default,
-    schedule: Schedule::Alone,
-    run,
+    run: Alone(run),
 };
 
 /// Kills of each scene.
@@ -31,7 +27,7 @@ const fn n_kills(profile: Profile) -> u32 {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let folder = std::env::temp_dir().join(format!("resume-{}", std::process::id()));
     let claims = scenes()?
         .iter()
@@ -43,11 +39,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// A scene undisturbed, and what else comes to the same.
-fn of_scene(
-    context: &Context<'_>,
-    scene: &Scene,
-    (number, folder): (u64, &Path),
-) -> Result<Vec<Claim>, CaseError> {
+fn of_scene(context: &Context<'_>, scene: &Scene, (number, folder): (u64, &Path)) -> CaseResult {
     let file = scene.write(folder)?;
     let undisturbed = folder.join(format!("{}-undisturbed", scene.name));
     let start = Instant::now();
@@ -86,21 +78,21 @@ impl Undisturbed<'_> {
     }
 
     fn subject(&self, name: &str, quantity: &str, method: &str) -> Subject {
-        self.context.subject(&format!("{}/{name}", self.scene.name), quantity, "", method)
+        self.context.subject(format!("{}/{name}", self.scene.name), quantity, method)
     }
 
     /// Entries that are not in both.
-    fn n_different(&self, out: &Path) -> Result<usize, CaseError> {
+    fn n_different(&self, out: &Path) -> CaseResult<usize> {
         Ok(self.entries.symmetric_difference(&outcome(out)?).count())
     }
 
     fn same(&self, name: &str, method: &str, different: usize, runs: usize, reason: &str) -> Claim {
-        let quantity = "entries of results and files of series that differ";
-        let subject = self.subject(name, quantity, method);
-        Claim::same_bits(subject, different, runs * self.entries.len(), reason)
+        self.subject(name, "entries of results and files of series that differ", method)
+            .same_bits(different, runs * self.entries.len())
+            .because(reason)
     }
 
-    fn killed(&self, number: u64) -> Result<Vec<Claim>, CaseError> {
+    fn killed(&self, number: u64) -> CaseResult {
         let mut moments = Noise::new(2026).stream(Purpose::MarkovChain, number);
         let (mut different, mut n_refused, mut n_resumed) = (0, 0_u32, 0_u32);
         let n = n_kills(self.context.profile);
@@ -116,13 +108,8 @@ impl Undisturbed<'_> {
         let (method, reason) =
             ("SIGKILL, --resume", "a checkpoint holds all that the numbers of a run depend on");
         let every = |name: &str, quantity: &str, method: &str, found: u32, reason: &'static str| {
-            Claim::within(
-                self.subject(name, quantity, method),
-                ErrorKind::Absolute,
-                (f64::from(found), f64::from(n)),
-                0.0,
-                reason,
-            )
+            let subject = self.subject(name, quantity, method);
+            subject.absolute(f64::from(found), f64::from(n)).within(0.0).because(reason)
         };
         let (resumed, refused) = ("runs that went on from a checkpoint", "runs that were refused");
         let hit = "a kill is repeated until it hits a run";
@@ -135,7 +122,7 @@ impl Undisturbed<'_> {
     }
 
     /// A shorter run, and the rest of it.
-    fn longer(&self, shorter: &Path) -> Result<Claim, CaseError> {
+    fn longer(&self, shorter: &Path) -> CaseResult<Claim> {
         let out = self.out("longer");
         finish(started(shorter, &out, &[])?)?;
         finish(started(&self.file, &out, &["--resume"])?)?;
@@ -144,7 +131,7 @@ impl Undisturbed<'_> {
     }
 
     /// Two shards, joined in the wrong order.
-    fn divided(&self) -> Result<Claim, CaseError> {
+    fn divided(&self) -> CaseResult<Claim> {
         let (shards, out) = (self.out("shards"), self.out("merged"));
         for shard in ["1/2", "2/2"] {
             finish(started(&self.file, &shards, &["--shard", shard])?)?;
@@ -159,7 +146,7 @@ impl Undisturbed<'_> {
 }
 
 /// Whether a run that would start anew over a checkpoint is not run, and says what to do.
-fn is_refused(scene: &Path, out: &Path) -> Result<bool, CaseError> {
+fn is_refused(scene: &Path, out: &Path) -> CaseResult<bool> {
     let output = started(scene, out, &[])?.wait_with_output()?;
     let told = String::from_utf8_lossy(&output.stderr);
     Ok(!output.status.success() && told.contains("--overwrite"))
@@ -169,7 +156,7 @@ fn is_refused(scene: &Path, out: &Path) -> Result<bool, CaseError> {
 const TRIES: u32 = 12;
 
 /// Kills a run that has a checkpoint, so long after the first of them; sooner if it is at its end by then.
-fn kill_at_random(scene: &Path, out: &Path, after: Duration) -> Result<(), CaseError> {
+fn kill_at_random(scene: &Path, out: &Path, after: Duration) -> CaseResult<()> {
     for attempt in 0..TRIES {
         if out.exists() {
             std::fs::remove_dir_all(out)?;

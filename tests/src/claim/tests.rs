@@ -5,12 +5,11 @@ use super::*;
 const WHY: &str = "a reason";
 
 fn subject() -> Subject {
-    Subject::new("self-check/claim", "x", "m", "by hand")
+    Subject::new("self-check/claim", "x", "by hand").unit("m")
 }
 
 fn within(kind: ErrorKind, m: f64, r: f64, tolerance: f64) -> Claim {
-    let criterion = Criterion::Within { tolerance, reason: WHY };
-    Claim::judge(subject(), kind, Measured::exact(m), Reference::exact(r), criterion)
+    subject().compared(kind, m, r).within(tolerance).because(WHY)
 }
 
 fn close(found: Option<f64>, expected: f64) {
@@ -54,19 +53,15 @@ fn what_is_not_a_number_fails_and_says_so() {
 
 #[test]
 fn a_claim_without_a_reason_fails() {
-    let criterion = Criterion::Within { tolerance: 1.0, reason: " " };
     let value = (Measured::exact(1.0), Reference::exact(1.0));
-    assert!(!Claim::judge(subject(), ErrorKind::Absolute, value.0, value.1, criterion).passed);
-    assert!(!Claim::as_measured(subject(), value.0, 0.0, 2.0, "").passed);
+    assert!(!subject().absolute(value.0, value.1).within(1.0).because(" ").passed);
+    assert!(!subject().measured(value.0, (0.0, 2.0)).because("").passed);
 }
 
 #[test]
 fn a_reference_less_certain_than_the_tolerance_proves_nothing() {
-    let criterion = Criterion::Within { tolerance: 0.01, reason: WHY };
-    let judge = |error| {
-        let reference = Reference::uncertain(2.0, error);
-        Claim::judge(subject(), ErrorKind::Relative, Measured::exact(2.0), reference, criterion)
-    };
+    let judge =
+        |error| subject().relative(2.0, Reference::uncertain(2.0, error)).within(0.01).because(WHY);
     assert!(judge(0.019).passed);
     assert!(!judge(0.021).passed);
 }
@@ -74,39 +69,26 @@ fn a_reference_less_certain_than_the_tolerance_proves_nothing() {
 #[test]
 fn a_monte_carlo_claim_passes_within_bias_and_four_standard_errors() {
     let judge = |m, se, re| {
-        let criterion = Criterion::MonteCarlo { bias_bound: 0.1, reason: WHY };
-        Claim::judge(
-            subject(),
-            ErrorKind::Absolute,
-            Measured::sampled(m, se),
-            Reference::uncertain(1.0, re),
-            criterion,
-        )
+        subject()
+            .absolute(Measured::sampled(m, se), Reference::uncertain(1.0, re))
+            .monte_carlo(0.1)
+            .because(WHY)
     };
     assert!(judge(1.49, 0.1, 0.0).passed);
     assert!(!judge(1.51, 0.1, 0.0).passed);
     close(judge(1.0, 0.03, 0.04).tolerance, 0.1 + 4.0 * 0.05);
-    let without = Criterion::MonteCarlo { bias_bound: 1.0, reason: WHY };
-    let value = Measured::exact(1.0);
-    assert!(
-        !Claim::judge(subject(), ErrorKind::Absolute, value, Reference::exact(1.0), without).passed
-    );
+    assert!(!subject().absolute(1.0, 1.0).monte_carlo(1.0).because(WHY).passed);
 }
 
 #[test]
 fn the_spread_of_a_logarithm_is_relative() {
-    let criterion = Criterion::MonteCarlo { bias_bound: 0.0, reason: WHY };
-    let measured = Measured::sampled(2e-8, 1e-9);
-    let claim =
-        Claim::judge(subject(), ErrorKind::Log10, measured, Reference::exact(2e-8), criterion);
+    let claim = subject().log10(Measured::sampled(2e-8, 1e-9), 2e-8).monte_carlo(0.0).because(WHY);
     close(claim.tolerance, 4.0 * 0.05 / std::f64::consts::LN_10);
 }
 
 #[test]
 fn an_order_needs_a_standard_error_below_its_tolerance() {
-    let criterion = Criterion::Within { tolerance: 0.2, reason: WHY };
-    let judge =
-        |m| Claim::judge(subject(), ErrorKind::Order, m, Reference::exact(2.0), criterion).passed;
+    let judge = |m| subject().order(m, 2.0).within(0.2).because(WHY).passed;
     assert!(judge(Measured::sampled(1.9, 0.05)));
     assert!(!judge(Measured::exact(1.9)));
     assert!(!judge(Measured::sampled(1.9, 0.3)));
@@ -114,27 +96,18 @@ fn an_order_needs_a_standard_error_below_its_tolerance() {
 
 #[test]
 fn a_regression_claim_has_a_range_and_says_so() {
-    let criterion = Criterion::AsMeasured { from: 0.02, to: 0.04, reason: "summation bias" };
-    let judge = |m| {
-        Claim::judge(
-            subject(),
-            ErrorKind::Relative,
-            Measured::exact(m),
-            Reference::exact(1.0),
-            criterion,
-        )
-    };
+    let judge = |m| subject().relative(m, 1.0).as_measured(0.02, 0.04).because("summation bias");
     assert!(judge(1.03).passed && !judge(1.01).passed && !judge(0.97).passed);
     assert_eq!(judge(1.03).reason, "as measured, error in [0.02, 0.04]: summation bias");
-    assert!(Claim::as_measured(subject(), Measured::exact(40.0), 39.0, 41.0, "steps").passed);
-    assert!(!Claim::as_measured(subject(), Measured::exact(f64::NAN), 39.0, 41.0, "steps").passed);
+    assert!(subject().measured(40.0, (39.0, 41.0)).because("steps").passed);
+    assert!(!subject().measured(f64::NAN, (39.0, 41.0)).because("steps").passed);
 }
 
 #[test]
 fn equal_bits_need_something_to_compare() {
-    assert!(Claim::same_bits(subject(), 0, 10, WHY).passed);
-    assert!(!Claim::same_bits(subject(), 1, 10, WHY).passed);
-    assert!(!Claim::same_bits(subject(), 0, 0, WHY).passed);
+    assert!(subject().same_bits(0, 10).because(WHY).passed);
+    assert!(!subject().same_bits(1, 10).because(WHY).passed);
+    assert!(!subject().same_bits(0, 0).because(WHY).passed);
 }
 
 #[test]
@@ -142,14 +115,13 @@ fn the_part_of_a_tolerance_that_the_error_takes() {
     close(within(ErrorKind::Relative, 0.99, 1.0, 0.1).used(), 0.1);
     close(within(ErrorKind::Ratio, 2.0, 1.0, 3.0).used(), 0.5);
     close(within(ErrorKind::Absolute, 1.0, 1.0, 0.0).used(), 0.0);
-    assert_eq!(Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY).used(), None);
+    assert_eq!(subject().measured(1.0, (0.0, 2.0)).because(WHY).used(), None);
 }
 
 #[test]
 fn the_grounds_of_a_monte_carlo_claim_are_without_its_numbers() {
     let (measured, reference) = (Measured::sampled(1.0, 0.1), Reference::exact(1.0));
-    let criterion = Criterion::MonteCarlo { bias_bound: 0.01, reason: "step: 0.1" };
-    let claim = Claim::judge(subject(), ErrorKind::Absolute, measured, reference, criterion);
+    let claim = subject().absolute(measured, reference).monte_carlo(0.01).because("step: 0.1");
     assert!(claim.reason.starts_with("bias bound 0.01 + 4 s.e."), "{}", claim.reason);
     assert_eq!(claim.grounds(), "step: 0.1");
     assert_eq!(within(ErrorKind::Absolute, 1.0, 1.0, 0.1).grounds(), WHY);
@@ -157,7 +129,7 @@ fn the_grounds_of_a_monte_carlo_claim_are_without_its_numbers() {
 
 #[test]
 fn regression_bounds_and_missed_aims_fall_short() {
-    let bound = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
+    let bound = subject().measured(1.0, (0.0, 2.0)).because(WHY);
     assert!(bound.is_regression_bound() && bound.falls_short());
     let held = within(ErrorKind::Absolute, 1.0, 1.0, 0.1);
     assert!(!held.is_regression_bound() && !held.falls_short());
@@ -174,9 +146,9 @@ fn the_kind_of_a_claim_follows_from_how_it_is_judged() {
     assert_eq!(kind_of(ErrorKind::Absolute, 3.0, 3.0, 0.0), ClaimKind::Structural);
     assert_eq!(kind_of(ErrorKind::Absolute, 3.0, 3.0, 0.5), ClaimKind::Accuracy);
     assert_eq!(kind_of(ErrorKind::Absolute, 0.25, 0.25, 0.0), ClaimKind::Accuracy);
-    assert_eq!(Claim::same_bits(subject(), 0, 10, WHY).kind, ClaimKind::Structural);
+    assert_eq!(subject().same_bits(0, 10).because(WHY).kind, ClaimKind::Structural);
     assert_eq!(Claim::case_error("a", "b").kind, ClaimKind::Structural);
-    let bound = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 2.0, WHY);
+    let bound = subject().measured(1.0, (0.0, 2.0)).because(WHY);
     assert_eq!(bound.kind, ClaimKind::RegressionBound);
     let held = within(ErrorKind::Absolute, 1.0, 1.0, 0.1);
     assert_eq!(held.structural().kind, ClaimKind::Structural);
@@ -197,11 +169,8 @@ fn a_tolerance_over_ten_times_the_error_is_loose() {
     // A factor of 1 is no error.
     assert!(!within(ErrorKind::Ratio, 1.25, 1.0, 3.0).is_loose());
     assert!(within(ErrorKind::Ratio, 1.125, 1.0, 3.0).is_loose());
-    let bound = Claim::as_measured(subject(), Measured::exact(1.0), 0.0, 200.0, WHY);
+    let bound = subject().measured(1.0, (0.0, 200.0)).because(WHY);
     assert!(!bound.is_loose());
     let (measured, reference) = (Measured::sampled(1.0, 1.0), Reference::exact(1.0));
-    let criterion = Criterion::MonteCarlo { bias_bound: 1.0, reason: WHY };
-    assert!(
-        !Claim::judge(subject(), ErrorKind::Absolute, measured, reference, criterion).is_loose()
-    );
+    assert!(!subject().absolute(measured, reference).monte_carlo(1.0).because(WHY).is_loose());
 }

@@ -11,57 +11,54 @@ use crate::case::CaseError;
 
 /// Constants of a concrete (SI units).
 #[derive(Debug, Clone, Copy)]
-pub struct Concrete {
+pub(crate) struct Concrete {
     /// `E` (Pa).
-    pub young_modulus: f64,
+    pub(crate) young_modulus: f64,
     /// `f_t` (Pa): bonds soften from the stretch `f_t/E` on.
-    pub tensile_strength: f64,
+    pub(crate) tensile_strength: f64,
     /// `G_f` (J/m^2), under the whole falling line.
-    pub fracture_energy: f64,
+    pub(crate) fracture_energy: f64,
 }
 
 /// A lattice of concrete, in plane stress.
 #[derive(Debug, Clone, Copy)]
-pub struct Lattice {
+pub(crate) struct Lattice {
     /// `dx` (m).
-    pub spacing: f64,
+    pub(crate) spacing: f64,
     /// Whole spacings in a horizon.
-    pub shells: u32,
+    pub(crate) shells: u32,
 }
 
 /// A point of a test.
 #[derive(Debug, Clone, Copy)]
-pub struct Point {
+pub(crate) struct Point {
     /// Of the loaded nodes along the load (m).
-    pub displacement: f64,
+    pub(crate) displacement: f64,
     /// Opening of the mouth over 20 mm about the middle of the lower edge; of the panel the displacement (m).
-    pub opening: f64,
+    pub(crate) opening: f64,
     /// Load (N).
-    pub load: f64,
+    pub(crate) load: f64,
 }
 
 /// A test that was followed.
 #[derive(Debug)]
-pub struct Tested {
+pub(crate) struct Tested {
     /// At each breakage, before it.
-    pub points: Vec<Point>,
+    pub(crate) points: Vec<Point>,
     /// The middle of the first bond that softened (m).
-    pub first: [f64; 2],
+    pub(crate) first: [f64; 2],
 }
 
 impl Tested {
     /// The point of the largest load.
-    ///
-    /// # Errors
-    /// Where no bond softened.
-    pub fn peak(&self) -> Result<Point, CaseError> {
+    pub(crate) fn peak(&self) -> Result<Point, CaseError> {
         let points = self.points.iter().copied();
         points.max_by(|a, b| a.load.total_cmp(&b.load)).ok_or_else(|| "no bond softened".into())
     }
 
     /// The load where the opening first comes to a value, on straight lines (N).
     #[must_use]
-    pub fn load_at(&self, opening: f64) -> Option<f64> {
+    pub(crate) fn load_at(&self, opening: f64) -> Option<f64> {
         let start = Point { displacement: 0.0, opening: 0.0, load: 0.0 };
         let before = std::iter::once(&start).chain(&self.points);
         let (a, b) = before.zip(&self.points).find(|(_, b)| b.opening >= opening)?;
@@ -104,10 +101,7 @@ fn sound(nodes: &Nodes<2>, about: &[([f64; 2], f64)]) -> Vec<bool> {
 
 /// A beam of Gregoire et al. 2013, 50 mm deep, in three-point bending, with a sharp notch from below or without one (m); to an
 /// opening of its mouth.
-///
-/// # Errors
-/// Those of the solver.
-pub fn beam(
+pub(crate) fn beam(
     of: Concrete,
     on: Lattice,
     notch: Option<f64>,
@@ -133,10 +127,7 @@ pub fn beam(
 
 /// The L-shaped panel of Winkler 2001: limbs of 250 mm, fixed below, lifted 30 mm from the free end of its upper limb; to a
 /// displacement (m). With a `cut` from outside to the corner, bonds that pass outside of it are cut.
-///
-/// # Errors
-/// Those of the solver.
-pub fn panel(
+pub(crate) fn panel(
     of: Concrete,
     on: Lattice,
     until: f64,

@@ -11,58 +11,46 @@ use crate::case::CaseError;
 
 /// A material on a lattice, in plane stress, its bonds of one stiffness, without corrections of volume or surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Plate {
+pub(crate) struct Plate {
     /// `E` (stress).
-    pub young_modulus: f64,
+    pub(crate) young_modulus: f64,
     /// `rho` (mass over volume).
-    pub density: f64,
+    pub(crate) density: f64,
     /// `G0` (energy over area).
-    pub energy_release_rate: f64,
+    pub(crate) energy_release_rate: f64,
     /// `t` (length).
-    pub thickness: f64,
+    pub(crate) thickness: f64,
     /// Whole spacings in a horizon.
-    pub shells: u32,
+    pub(crate) shells: u32,
     /// `dx` (length).
-    pub spacing: f64,
+    pub(crate) spacing: f64,
 }
 
 impl Plate {
     /// Plane stress.
     #[must_use]
-    pub fn condition(&self) -> Condition {
+    pub(crate) fn condition(&self) -> Condition {
         Condition::PlaneStress { thickness: self.thickness }
     }
 
     /// The nodes of a rectangle.
-    ///
-    /// # Errors
-    /// Those of [`Nodes::lattice`].
-    pub fn rectangle(&self, low: [f64; 2], high: [f64; 2]) -> Result<Nodes<2>, CaseError> {
+    pub(crate) fn rectangle(&self, low: [f64; 2], high: [f64; 2]) -> Result<Nodes<2>, CaseError> {
         Ok(Nodes::lattice(self.spacing, (low, high), self.condition(), |_| true)?)
     }
 
     /// How far a node sees (length).
-    ///
-    /// # Errors
-    /// Those of [`Horizon::of_shells`].
-    pub fn horizon(&self) -> Result<Horizon, CaseError> {
+    pub(crate) fn horizon(&self) -> Result<Horizon, CaseError> {
         Ok(Horizon::of_shells(self.shells, self.spacing)?)
     }
 
     /// Bonds of nodes.
-    ///
-    /// # Errors
-    /// Those of [`Bonds::new`].
-    pub fn bonds(&self, nodes: &Nodes<2>) -> Result<Bonds, CaseError> {
+    pub(crate) fn bonds(&self, nodes: &Nodes<2>) -> Result<Bonds, CaseError> {
         let config = BondConfig::uncorrected(self.horizon()?, self.young_modulus);
         Ok(Bonds::new(nodes, &config)?)
     }
 
     /// The critical stretch.
-    ///
-    /// # Errors
-    /// Those of [`critical_stretch`].
-    pub fn strength(&self) -> Result<f64, CaseError> {
+    pub(crate) fn strength(&self) -> Result<f64, CaseError> {
         Ok(critical_stretch(
             self.energy_release_rate,
             self.young_modulus,
@@ -73,10 +61,7 @@ impl Plate {
     }
 
     /// A share of the critical step of velocity Verlet, `2/omega` of the stiffest mode (time), by a patch of 40 by 40 nodes.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::new`].
-    pub fn step(&self, share: f64) -> Result<f64, CaseError> {
+    pub(crate) fn step(&self, share: f64) -> Result<f64, CaseError> {
         let nodes = self.rectangle([0.0; 2], [40.0 * self.spacing; 2])?;
         let loading = Loading::new(nodes.positions().len());
         let small = 0.05 * self.spacing / (self.young_modulus / self.density).sqrt();
@@ -103,7 +88,7 @@ impl Plate {
     /// The speed of Rayleigh waves along an edge (length over time), in plane stress with `nu = 1/3`: with `x = (c/c_s)^2`,
     /// `c_s^2 = G/rho` and `k = (c_s/c_p)^2 = (1 - nu)/2`, the root of `x^3 - 8 x^2 + (24 - 16 k) x - 16 (1 - k)` below one.
     #[must_use]
-    pub fn rayleigh_speed(&self) -> f64 {
+    pub(crate) fn rayleigh_speed(&self) -> f64 {
         let poisson_ratio = 1.0 / 3.0;
         let k = 0.5 * (1.0 - poisson_ratio);
         let (mut low, mut high) = (0.5, 1.0);
@@ -120,10 +105,7 @@ impl Plate {
     }
 
     /// Moves a plate with notches until a time, by 0.8 of the critical step.
-    ///
-    /// # Errors
-    /// Those of [`Simulation`].
-    pub fn crack(
+    pub(crate) fn crack(
         &self,
         nodes: Nodes<2>,
         notches: &[Notch],
@@ -143,36 +125,31 @@ impl Plate {
             let grown = report.broken.iter().filter(|broken| broken.cause != Cause::Cut);
             breaks.extend(grown.map(|broken| (broken.bond, report.time)));
         }
-        let (damage, horizon) = (run.damage(0), self.horizon()?.radius());
-        Ok(Cracked { nodes, bonds, cut, breaks, damage, horizon, n_steps: run.steps() })
+        let horizon = self.horizon()?.radius();
+        Ok(Cracked { nodes, bonds, cut, breaks, horizon, n_steps: run.steps() })
     }
 }
 
 /// A plate that has cracked.
 #[derive(Debug)]
-pub struct Cracked {
+pub(crate) struct Cracked {
     /// Its nodes.
-    pub nodes: Nodes<2>,
+    pub(crate) nodes: Nodes<2>,
     /// Its bonds.
-    pub bonds: Bonds,
+    pub(crate) bonds: Bonds,
     /// Those that the notches cut.
-    pub cut: Vec<usize>,
+    pub(crate) cut: Vec<usize>,
     /// Those that broke, and when.
-    pub breaks: Vec<(usize, f64)>,
-    /// Of each node, at the end.
-    pub damage: Vec<f64>,
+    pub(crate) breaks: Vec<(usize, f64)>,
     /// Length.
-    pub horizon: f64,
+    pub(crate) horizon: f64,
     /// How many steps it took.
-    pub n_steps: u64,
+    pub(crate) n_steps: u64,
 }
 
 impl Cracked {
     /// The crack from a notch, as it was at a time.
-    ///
-    /// # Errors
-    /// Those of [`crack_path`].
-    pub fn path(&self, notch: &Notch, until: f64) -> Result<Option<CrackPath>, CaseError> {
+    pub(crate) fn path(&self, notch: &Notch, until: f64) -> Result<Option<CrackPath>, CaseError> {
         let mut broken = vec![false; self.bonds.len()];
         let grown = self.breaks.iter().filter(|(_, time)| *time <= until);
         for bond in grown.map(|(bond, _)| bond).chain(&self.cut) {
@@ -184,10 +161,12 @@ impl Cracked {
     }
 
     /// The fastest that a crack becomes longer (length over time), its length every `interval`, over four of them.
-    ///
-    /// # Errors
-    /// As [`Cracked::path`].
-    pub fn tip_speed(&self, notch: &Notch, interval: f64, count: u32) -> Result<f64, CaseError> {
+    pub(crate) fn tip_speed(
+        &self,
+        notch: &Notch,
+        interval: f64,
+        count: u32,
+    ) -> Result<f64, CaseError> {
         let mut lengths = Vec::new();
         for index in 0..=count {
             if let Some(path) = self.path(notch, interval * f64::from(index))? {
@@ -200,7 +179,7 @@ impl Cracked {
 
     /// The share of broken bonds whose images in the middle line across the rows did not break in the same step.
     #[must_use]
-    pub fn asymmetry(&self) -> f64 {
+    pub(crate) fn asymmetry(&self) -> f64 {
         let columns = self.columns();
         let last = self.nodes.positions().len() / columns - 1;
         let image = |node: usize| (last - node / columns) * columns + node % columns;

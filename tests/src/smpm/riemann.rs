@@ -5,38 +5,38 @@ use crate::case::CaseError;
 
 /// One side.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gas {
+pub(crate) struct Gas {
     /// Mass per volume.
-    pub density: f64,
+    pub(crate) density: f64,
     /// Velocity.
-    pub velocity: f64,
+    pub(crate) velocity: f64,
     /// Pressure.
-    pub pressure: f64,
+    pub(crate) pressure: f64,
     /// `gamma`.
-    pub exponent: f64,
+    pub(crate) exponent: f64,
     /// `p_inf`.
-    pub stiffness: f64,
+    pub(crate) stiffness: f64,
 }
 
 /// Density, velocity and pressure at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State {
+pub(crate) struct State {
     /// Mass per volume.
-    pub density: f64,
+    pub(crate) density: f64,
     /// Velocity.
-    pub velocity: f64,
+    pub(crate) velocity: f64,
     /// Pressure.
-    pub pressure: f64,
+    pub(crate) pressure: f64,
 }
 
 /// Two sides and what is between them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Riemann {
+pub(crate) struct Riemann {
     sides: [Gas; 2],
     /// Pressure at the contact.
-    pub pressure: f64,
+    pub(crate) pressure: f64,
     /// Velocity of the contact.
-    pub velocity: f64,
+    pub(crate) velocity: f64,
 }
 
 impl Gas {
@@ -66,10 +66,7 @@ impl Gas {
 
 impl Riemann {
     /// Solves for the contact by Newton's method.
-    ///
-    /// # Errors
-    /// Where it does not settle: the gases part and leave a vacuum.
-    pub fn new(left: Gas, right: Gas) -> Result<Self, CaseError> {
+    pub(crate) fn new(left: Gas, right: Gas) -> Result<Self, CaseError> {
         let jump = right.velocity - left.velocity;
         let least = -left.stiffness.min(right.stiffness);
         let mut p = 0.5 * (left.pressure + right.pressure);
@@ -90,7 +87,7 @@ impl Riemann {
 
     /// The state at `x/t`, the contact having been at zero.
     #[must_use]
-    pub fn at(&self, slope: f64) -> State {
+    pub(crate) fn at(&self, slope: f64) -> State {
         let right = slope > self.velocity;
         let gas = self.sides[usize::from(right)];
         // As seen from the left: the other side is mirrored.

@@ -86,21 +86,19 @@ fn claim_value(claim: &Claim, case_id: &str) -> Value {
 
 #[cfg(test)]
 mod tests {
-    use result_figures::{ErrorKind, Measured, Reference};
+    use result_figures::Measured;
     use scenes::machine::Machine;
 
     use super::*;
     use crate::case::Profile;
-    use crate::claim::{Criterion, Subject};
+    use crate::claim::Subject;
 
     fn claim(name: &str, value: f64) -> Claim {
-        Claim::judge(
-            Subject::new(format!("self-check/page/{name}"), "P(|q| > 1)", "m^2", "least squares"),
-            ErrorKind::Relative,
-            Measured::sampled(value, 1e-3),
-            Reference::exact(1.0),
-            Criterion::Within { tolerance: 0.01, reason: "truncation < 1 %" },
-        )
+        Subject::new(format!("self-check/page/{name}"), "P(|q| > 1)", "least squares")
+            .unit("m^2")
+            .relative(Measured::sampled(value, 1e-3), 1.0)
+            .within(0.01)
+            .because("truncation < 1 %")
     }
 
     #[test]

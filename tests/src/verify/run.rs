@@ -14,7 +14,7 @@ use scenes::machine::Machine;
 use super::progress::Progress;
 use super::select::well_formed;
 use super::table::{Style, write_case, write_header};
-use crate::case::{Case, Context, Profile, Schedule, Shared};
+use crate::case::{Case, Context, Profile, Run, Shared};
 use crate::report::{CaseRecord, Claim, Report};
 
 /// What all cases of a run share.
@@ -65,7 +65,7 @@ impl Proof<'_> {
     /// Those that run together on as many threads as there are cores, then the others one by one.
     fn run(&self, ended: &Sender<Ended>) {
         let (together, alone): (Vec<_>, Vec<_>) = (0..self.cases.len())
-            .partition(|&index| self.cases[index].schedule == Schedule::Together);
+            .partition(|&index| matches!(self.cases[index].run, Run::Together(_)));
         let together = self.longest_first(together);
         let next = AtomicUsize::new(0);
         std::thread::scope(|scope| {
@@ -109,7 +109,8 @@ impl Proof<'_> {
         let context = Context::new(case.id, self.profile, &self.shared, &tell);
         let (start, cpu) = (Instant::now(), CpuClock::start());
         // What a panicking case leaves half done is its own: shared results are stored only when complete.
-        let result = catch_unwind(AssertUnwindSafe(|| (case.run)(&context)));
+        let (Run::Together(run) | Run::Alone(run)) = case.run;
+        let result = catch_unwind(AssertUnwindSafe(|| run(&context)));
         let (seconds, cpu_seconds) = (start.elapsed().as_secs_f64(), cpu.seconds());
         let claims = match result {
             Ok(Ok(claims)) if claims.is_empty() => {
@@ -189,34 +190,21 @@ fn panic_message(panic: &(dyn std::any::Any + Send)) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use result_figures::ErrorKind;
-
     use super::super::table::Rows;
     use super::*;
-    use crate::case::CaseError;
+    use crate::case::CaseResult;
 
     fn claim(context: &Context<'_>, name: &str, value: f64) -> Claim {
-        Claim::within(
-            context.subject(name, "x", "", "by hand"),
-            ErrorKind::Absolute,
-            (value, 1.0),
-            0.5,
-            "a self-check",
-        )
+        context
+            .subject(name, "x", "by hand")
+            .absolute(value, 1.0)
+            .within(0.5)
+            .because("a self-check")
     }
 
-    const fn case(
-        id: &'static str,
-        run: fn(&Context<'_>) -> Result<Vec<Claim>, CaseError>,
-    ) -> Case {
-        Case {
-            id,
-            title: "a self-check",
-            source: "none",
-            cost: Profile::Quick,
-            schedule: Schedule::Together,
-            run,
-        }
+    const fn case(id: &'static str, run: fn(&Context<'_>) -> CaseResult) -> Case {
+        let (title, source) = ("a self-check", "none");
+        Case { id, title, source, cost: Profile::Quick, run: Run::Together(run) }
     }
 
     fn run(cases: &[Case]) -> (Report, String) {
@@ -276,7 +264,7 @@ mod tests {
     fn cases_share_results() {
         // Which of the two comes first is not known.
         static COMPUTED: AtomicUsize = AtomicUsize::new(0);
-        let share: fn(&Context<'_>) -> Result<Vec<Claim>, CaseError> = |context| {
+        let share: fn(&Context<'_>) -> CaseResult = |context| {
             let value = context.shared("value", || {
                 COMPUTED.fetch_add(1, Ordering::Relaxed);
                 Ok(1.0)

@@ -21,9 +21,6 @@ pub struct MixtureLaw {
 }
 
 /// The law at the times, each component with steps of at most `step` ([`linear_moments`]).
-///
-/// # Errors
-/// Those of [`linear_moments`] and [`GaussianMixture::mixture`].
 pub fn mixture_laws<S: Sde<2, M>, const M: usize>(
     system: &S,
     start: &GaussianMixture<2>,

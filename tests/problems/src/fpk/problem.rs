@@ -28,9 +28,6 @@ pub struct Problem {
 
 impl Problem {
     /// The linear oscillator of section 4.1 without its damper.
-    ///
-    /// # Errors
-    /// Those of the scene and of the reference data.
     pub fn linear_oscillator() -> Result<Self, CaseError> {
         let text = include_str!("../../../../tests/scenes/fpk/linear_oscillator.json");
         Self::new(
@@ -41,9 +38,6 @@ impl Problem {
     }
 
     /// The oscillator with a viscous damper of section 4.1.
-    ///
-    /// # Errors
-    /// Those of the scene and of the reference data.
     pub fn viscous_damper() -> Result<Self, CaseError> {
         let text = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
         Self::new("tests/scenes/fpk/viscous_damper.json", text, ReferenceTable::viscous_damper()?)
@@ -57,9 +51,6 @@ impl Problem {
     }
 
     /// The configuration of the scene's density method, with so many times its intervals along each axis.
-    ///
-    /// # Errors
-    /// A scene with another method.
     pub fn density_config(&self, refinement: f64) -> Result<Config<2>, CaseError> {
         let config = self.scene.method.density_config(self.system.period(), refinement);
         config.ok_or_else(|| "the scene has no density method".into())
@@ -83,9 +74,6 @@ impl Problem {
     }
 
     /// Samples paths of it; [`Requested::cells`] has no meaning here.
-    ///
-    /// # Errors
-    /// Those of [`monte_carlo::run_on`].
     pub fn sampled(
         &self,
         sampling: &Sampling,
@@ -98,9 +86,6 @@ impl Problem {
     }
 
     /// As [`Self::sampled`] by forward Euler, the integrator of the paper.
-    ///
-    /// # Errors
-    /// Those of the ensemble.
     pub fn sampled_by_euler(
         &self,
         sampling: &Sampling,
@@ -127,9 +112,6 @@ fn picked<S, const D: usize>(
 }
 
 /// The Bouc-Wen oscillator of section 4.2, its initial density and its references.
-///
-/// # Errors
-/// Those of the scene and of the reference data.
 pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseError> {
     let text = include_str!("../../../../tests/scenes/fpk/bouc_wen.json");
     let (system, law) = picked("tests/scenes/fpk/bouc_wen.json", text, |system| match system {
@@ -140,9 +122,6 @@ pub fn bouc_wen() -> Result<(BoucWen, GaussianMixture<3>, ReferenceTable), CaseE
 }
 
 /// The hardening spring and its initial density.
-///
-/// # Errors
-/// Those of the scene.
 pub fn duffing() -> Result<(Duffing, GaussianMixture<2>), CaseError> {
     let text = include_str!("../../../../tests/scenes/fpk/duffing.json");
     picked("tests/scenes/fpk/duffing.json", text, |system| match system {
@@ -156,9 +135,6 @@ pub type ShakenOscillator = Filtered<LinearOscillator, 2, 2>;
 
 /// The linear building on firm soil and its initial density; its density at all times follows from
 /// [`linear_moments`](super::linear_moments::linear_moments).
-///
-/// # Errors
-/// Those of the scene.
 pub fn kanai_tajimi() -> Result<(ShakenOscillator, GaussianMixture<4>), CaseError> {
     let text = include_str!("../../../../tests/scenes/fpk/kanai_tajimi.json");
     picked("tests/scenes/fpk/kanai_tajimi.json", text, |system| match system {

@@ -183,9 +183,6 @@ fn bistable_and_duffing() -> Result<BistableAndDuffing, CaseError> {
 
 impl BistableReference {
     /// Reads the data.
-    ///
-    /// # Errors
-    /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         Ok(bistable_and_duffing()?.bistable)
     }
@@ -193,9 +190,6 @@ impl BistableReference {
 
 impl DuffingReference {
     /// Reads the data.
-    ///
-    /// # Errors
-    /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         Ok(bistable_and_duffing()?.duffing)
     }

@@ -28,9 +28,6 @@ pub fn temperature(network: &Network<2>, strength: f64, ratio: f64) -> f64 {
 
 /// Bonds broken in each lane until some ascending times, in units of one over `lambda` of the stiffest mode; and `lambda`. With the
 /// bridge, by steps of `z`.
-///
-/// # Errors
-/// Those of the run.
 pub fn broken(
     network: &Network<2>,
     (strength, ratio): (f64, f64),

@@ -25,9 +25,6 @@ pub struct Network<const D: usize> {
 
 impl Network<1> {
     /// A chain of `n` free nodes and one held, with springs of stiffness one.
-    ///
-    /// # Errors
-    /// None that can occur.
     pub fn chain(n: usize) -> Result<Self, Error> {
         let held = |x: &[f64; 1]| x[0] < 1.0;
         Self::lattice(([0.0], [n as f64 + 1.0]), Condition::Bar { area: 1.0 }, 1, held)
@@ -36,9 +33,6 @@ impl Network<1> {
 
 impl Network<2> {
     /// A square of `side` nodes, whose first column is held.
-    ///
-    /// # Errors
-    /// None that can occur.
     pub fn square(side: usize, shells: u32) -> Result<Self, Error> {
         let corner = [side as f64; 2];
         let condition = Condition::PlaneStress { thickness: 1.0 };
@@ -123,9 +117,6 @@ impl<const D: usize> Network<D> {
     }
 
     /// `L` of a mobility, over the free components: a row per unknown, a column per motion.
-    ///
-    /// # Errors
-    /// None that can occur.
     pub fn factor(&self, mobility: &Mobility) -> Result<DMatrix<f64>, Error> {
         let (unknowns, m) = (self.unknowns(), mobility.n_motions() * D);
         let mut factor = DMatrix::zeros(unknowns.len(), m);
@@ -142,9 +133,6 @@ impl<const D: usize> Network<D> {
     }
 
     /// A run of one realisation with linear bonds that never break.
-    ///
-    /// # Errors
-    /// Those of [`Simulation::new`].
     pub fn run(
         &self,
         dynamics: Dynamics,
@@ -166,18 +154,12 @@ impl<const D: usize> Network<D> {
     }
 
     /// The held nodes held.
-    ///
-    /// # Errors
-    /// None that can occur.
     pub fn loading(&self) -> Result<Loading<D>, Error> {
         Loading::new(self.free.len()).hold(&self.held())
     }
 
     /// The matrix of one step without noise, column by column from a unit displacement of each unknown; where `of` is of inertial
     /// dynamics, of displacements and velocities one after the other.
-    ///
-    /// # Errors
-    /// Those of the run.
     pub fn map_of_step(&self, of: &Dynamics, dt: f64) -> Result<DMatrix<f64>, Error> {
         let unknowns = self.unknowns();
         let n = unknowns.len();
@@ -207,9 +189,6 @@ impl<const D: usize> Network<D> {
     }
 
     /// The displacements after the first step from rest, and the normals that drove it: of the step, and of the areas.
-    ///
-    /// # Errors
-    /// Those of the run.
     pub fn first_kick(
         &self,
         dynamics: Dynamics,
@@ -251,9 +230,6 @@ pub fn distance(found: &DMatrix<f64>, exact: &DMatrix<f64>) -> f64 {
 }
 
 /// The stiffest mode of a body per unit of time, by a step so small that any scheme takes it.
-///
-/// # Errors
-/// Those of the run.
 pub fn rate<const D: usize>(network: &Network<D>, dynamics: &Dynamics) -> Result<f64, Error> {
     let dt = 1e-6;
     let z = network.run(dynamics.clone(), dt, Noise::new(0))?.relative_step();
@@ -268,9 +244,6 @@ pub fn foster<const D: usize>(network: &Network<D>, covariance: &DMatrix<f64>) -
 }
 
 /// The bonds of a network as a body in lanes, linear, of one strength.
-///
-/// # Errors
-/// Those of [`BondList::new`].
 pub fn lanes<const D: usize, const L: usize>(
     network: &Network<D>,
     strength: f64,
@@ -279,9 +252,6 @@ pub fn lanes<const D: usize, const L: usize>(
 }
 
 /// The same in numbers of any precision.
-///
-/// # Errors
-/// Those of [`BondList::new`].
 pub fn lanes_of<T: Real, const D: usize, const L: usize>(
     network: &Network<D>,
     strength: f64,

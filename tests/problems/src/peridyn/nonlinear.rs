@@ -84,9 +84,6 @@ pub fn expected<const K: usize>(
 }
 
 /// A chain of so many groups, every third node of it held.
-///
-/// # Errors
-/// None that can occur.
 pub fn groups() -> Result<Network<1>, Error> {
     let mut chain = Network::chain(3 * GROUPS)?;
     for (node, free) in chain.free.iter_mut().enumerate() {

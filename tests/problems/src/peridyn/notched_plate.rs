@@ -132,9 +132,6 @@ impl NotchedPlate {
     }
 
     /// The cracks of realisations from 0 on.
-    ///
-    /// # Errors
-    /// Those of [`CrackStudy::run`].
     pub fn cracks(
         &self,
         precision: Precision,
@@ -146,9 +143,6 @@ impl NotchedPlate {
     }
 
     /// What becomes of some realisations.
-    ///
-    /// # Errors
-    /// Those of [`CrackStudy::run`].
     pub fn run(
         &self,
         precision: Precision,

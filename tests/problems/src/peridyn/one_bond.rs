@@ -14,9 +14,6 @@ pub const BONDS: usize = 500;
 
 /// The rate seen over some relaxation times, with its standard error: the ratio of strength to deviation, the step, and the times.
 /// One time is that of relaxation.
-///
-/// # Errors
-/// Those of [`Simulation`].
 pub fn seen<T: Real, const L: usize>(
     scheme: Scheme,
     breaking: Breaking,

@@ -52,9 +52,6 @@ pub struct Pulled {
 
 impl SlowPlate {
     /// With so many nodes along an edge.
-    ///
-    /// # Errors
-    /// Those of nodes, bonds and the notch.
     pub fn new(per_edge: usize) -> Result<Self, Error> {
         let dx = 1.0 / per_edge as f64;
         let condition = Condition::PlaneStress { thickness: 1.0 };
@@ -94,9 +91,6 @@ impl SlowPlate {
     }
 
     /// In equilibrium at a load that is the mean strain.
-    ///
-    /// # Errors
-    /// Those of [`QuasiStatic::new`].
     pub fn quasi_static(&self, config: EquilibriumConfig) -> Result<QuasiStatic<2>, Error> {
         let mut body = self.body()?;
         for &bond in &self.cut {
@@ -113,9 +107,6 @@ impl SlowPlate {
     }
 
     /// Event by event, to the mean strain of the other runs or until it is separated.
-    ///
-    /// # Errors
-    /// Those of [`QuasiStatic::next_breakage`] and of the path.
     pub fn by_events(&self, config: EquilibriumConfig) -> Result<Pulled, Error> {
         let mut run = self.quasi_static(config)?;
         let mut found = Pulled::none();
@@ -141,9 +132,6 @@ impl SlowPlate {
     }
 
     /// Overdamped and explicit, in so many steps.
-    ///
-    /// # Errors
-    /// Those of [`Simulation`] and of the path.
     pub fn explicit(&self, n_steps: u64) -> Result<Pulled, Error> {
         let probe = self.simulation(1e-9, 0.0)?;
         let dt = 1e-9 * RELATIVE_STEP / probe.relative_step();

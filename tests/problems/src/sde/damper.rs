@@ -7,9 +7,6 @@ use vibrating_systems::{
 use crate::context::CaseError;
 
 /// The structure of the paper with its damper, under noise that does not fade.
-///
-/// # Errors
-/// None: the parameters are valid.
 pub fn viscous_damper_at_rest() -> Result<ViscousDamper, CaseError> {
     let structure = LinearOscillatorParameters {
         natural_frequency: std::f64::consts::PI,

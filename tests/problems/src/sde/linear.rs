@@ -18,9 +18,6 @@ pub struct StepMap {
 }
 
 /// The map of one step, and that from the state to what the method remembers: `read(memory)`.
-///
-/// # Errors
-/// Where the method cannot take the step.
 pub fn probe<S, I, const D: usize, const R: usize>(
     system: &S,
     method: &I,
@@ -43,9 +40,6 @@ where
 
 impl StepMap {
     /// The map of a function of state, `w` and `H` that is linear in all of them.
-    ///
-    /// # Errors
-    /// Those of the function.
     pub fn of<E, const D: usize>(
         image: impl Fn([f64; D], f64, f64) -> Result<Vec<f64>, E>,
     ) -> Result<Self, E> {

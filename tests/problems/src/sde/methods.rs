@@ -43,9 +43,6 @@ impl<S: ?Sized, const D: usize, const M: usize> std::fmt::Debug for Method<S, D,
 }
 
 /// The state at the end of a path.
-///
-/// # Errors
-/// Where the method cannot take a step.
 pub fn follow<S, I, const D: usize, const M: usize>(
     system: &S,
     method: &I,

@@ -136,9 +136,6 @@ where
 }
 
 /// The same, where a method that cannot take a step spoils its level and no other.
-///
-/// # Errors
-/// Of the reference.
 pub fn attempt<S, const D: usize, const M: usize>(
     study: &Study,
     (system, start): (&S, [f64; D]),

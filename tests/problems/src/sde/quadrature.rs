@@ -43,9 +43,6 @@ pub fn gauss_hermite(n: usize) -> Vec<(f64, f64)> {
 }
 
 /// The expectation of a function of the increment over a step of length `dt`, by the product rule in `w` and `H`.
-///
-/// # Errors
-/// Those of the function.
 pub fn expectation<E>(
     dt: f64,
     rule: &[(f64, f64)],

@@ -20,9 +20,6 @@ pub struct MeanSquare {
 
 impl MeanSquare {
     /// Reads the file.
-    ///
-    /// # Errors
-    /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         let text =
             include_str!("../../../../tests/reference/derived/sde/mean_square_stability.json");
@@ -43,9 +40,6 @@ pub struct Explosion {
 
 impl Explosion {
     /// Reads the file.
-    ///
-    /// # Errors
-    /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         let text = include_str!("../../../../tests/reference/derived/sde/explosion.json");
         Ok(serde_json::from_str(text)?)
@@ -61,9 +55,6 @@ pub struct OscillatorBias {
 
 impl OscillatorBias {
     /// Reads the file.
-    ///
-    /// # Errors
-    /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         let text = include_str!("../../../../tests/reference/derived/sde/oscillator_bias.json");
         Ok(serde_json::from_str(text)?)
@@ -81,9 +72,6 @@ pub struct OscillatorEnsemble {
 
 impl OscillatorEnsemble {
     /// Reads the file.
-    ///
-    /// # Errors
-    /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         let text = include_str!("../../../../tests/reference/derived/sde/oscillator_ensemble.json");
         Ok(serde_json::from_str(text)?)
@@ -139,9 +127,6 @@ pub struct DiffraxRow {
 
 impl Diffrax {
     /// Reads the file.
-    ///
-    /// # Errors
-    /// That of the JSON.
     pub fn read() -> Result<Self, CaseError> {
         let text = include_str!("../../../../tests/reference/derived/sde/diffrax.json");
         Ok(serde_json::from_str(text)?)

@@ -46,9 +46,6 @@ impl Formula {
 }
 
 /// `E|R|^2` by quadrature.
-///
-/// # Errors
-/// Where the method cannot take the step.
 pub fn amplification(
     system: &DiagonalNoise<Geometric>,
     dt: f64,
@@ -59,9 +56,6 @@ pub fn amplification(
 }
 
 /// The amplification of the method that a formula belongs to, by quadrature.
-///
-/// # Errors
-/// As [`amplification`].
 pub fn amplification_of(formula: Formula, l: f64, m: f64, dt: f64) -> Result<f64, CaseError> {
     let system = DiagonalNoise(Geometric { drift: l, intensity: m });
     let by = |factor: &Factor<'_>| Ok(amplification(&system, dt, factor)?);
@@ -92,18 +86,12 @@ where
 }
 
 /// The largest `|l| h` up to which a method is stable on the ray `m^2 = 2 r |l|`, by quadrature. `None` above 10^4.
-///
-/// # Errors
-/// Where the method cannot take a step.
 pub fn boundary(ray: f64, factor: &Factor<'_>) -> Result<Option<f64>, CaseError> {
     let system = DiagonalNoise(Geometric { drift: -1.0, intensity: (2.0 * ray).sqrt() });
     Ok(first_crossing(|size| amplification(&system, size, factor))?)
 }
 
 /// The boundary of the method that a formula belongs to, by quadrature.
-///
-/// # Errors
-/// As [`boundary`].
 pub fn measured_boundary(ray: f64, formula: Formula) -> Result<Option<f64>, CaseError> {
     first_crossing(|size| amplification_of(formula, -1.0, (2.0 * ray).sqrt(), size))
 }

@@ -71,18 +71,12 @@ impl Problem {
     }
 
     /// The scene unchanged.
-    ///
-    /// # Errors
-    /// Those of a scene.
     pub fn scene(self) -> Result<SmpmScene, CaseError> {
         let (name, text) = self.text();
         Ok(SmpmScene::read(name, text)?)
     }
 
     /// The scene with one coefficient of variation for all its parameters, looked at at given times.
-    ///
-    /// # Errors
-    /// Those of a scene.
     pub fn scene_with(
         self,
         coefficient_of_variation: f64,
@@ -98,9 +92,6 @@ impl Problem {
 }
 
 /// A scene, read as an experiment.
-///
-/// # Errors
-/// Those of a scene.
 pub fn experiment<const D: usize>(scene: &SmpmScene) -> Result<SceneExperiment<D>, CaseError> {
     Ok(SceneExperiment::new(scene)?)
 }

@@ -72,9 +72,6 @@ pub fn printed() -> Result<Vec<PrintedRow>, CaseError> {
 
 /// The second example with the strength that reproduces Table 6: a reference rate of 1 per microsecond and no thermal
 /// softening. Observed quantities are those of [`TABLES`], in order.
-///
-/// # Errors
-/// Those of a scene.
 pub fn scene_as_printed(
     coefficient_of_variation: f64,
     times: &[f64],
@@ -141,9 +138,6 @@ pub type MeanAndVariance = [(f64, f64); 2];
 
 impl Solved {
     /// Solves the example at a coefficient of variation.
-    ///
-    /// # Errors
-    /// Those of the scene and of the runs.
     pub fn new(
         coefficient_of_variation: f64,
         times: &[f64],

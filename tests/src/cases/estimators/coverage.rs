@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use result_figures::{ErrorKind, Measured};
 use sde_integrators::{EulerMaruyama, Noise, Purpose, normal_probability, normal_quantile};
 use uq_estimators::{
     Bias, ControlledSamples, Estimate, Failure, Multilevel, PathLadder, PolynomialControl,
@@ -10,21 +9,18 @@ use uq_estimators::{
 };
 use vibrating_systems::GeometricBrownianMotion;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
 use crate::cases::estimators::multilevel::GROWTH;
 use crate::cases::estimators::rare_events::{
     Model, exact_paraboloid, paraboloid, paraboloid_level,
 };
-use crate::claim::Subject;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "uq-estimators/coverage",
     title: "200 repetitions of each estimator: how often its interval of 95 % holds the true value",
     source: "closed forms: geometric Brownian motion, lognormal moments, Ishigami's function",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const REPETITIONS: u64 = 200;
@@ -37,7 +33,7 @@ const STUDENT_31: f64 = 2.04;
 const REPLICAS: u64 = 32;
 const FOLDS: usize = 32;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     context.progress("multilevel");
     claims.extend(repeat(context, "multilevel", ["mean", "variance", "probability"], multilevel)?);
@@ -70,9 +66,7 @@ fn miss(estimate: Estimate, exact: f64, quantile: f64) -> Miss {
 }
 
 /// Parts of the intervals of 200 repetitions that hold the true value.
-fn parts<const N: usize>(
-    run: impl Fn(u64) -> Result<[Miss; N], CaseError>,
-) -> Result<[f64; N], CaseError> {
+fn parts<const N: usize>(run: impl Fn(u64) -> CaseResult<[Miss; N]>) -> CaseResult<[f64; N]> {
     let mut hits = [0_u32; N];
     for repetition in 0..REPETITIONS {
         for (hits, (error, half_width)) in hits.iter_mut().zip(run(1000 + repetition)?) {
@@ -84,10 +78,9 @@ fn parts<const N: usize>(
 
 fn subject(context: &Context<'_>, name: &str, quantity: &str) -> Subject {
     context.subject(
-        &format!("{name}/{quantity}"),
+        format!("{name}/{quantity}"),
         "part of the intervals of 95 % that hold the true value",
-        "",
-        &format!("{REPETITIONS} repetitions"),
+        format!("{REPETITIONS} repetitions"),
     )
 }
 
@@ -95,18 +88,17 @@ fn repeat<const N: usize>(
     context: &Context<'_>,
     name: &str,
     quantities: [&str; N],
-    run: impl Fn(u64) -> Result<[Miss; N], CaseError>,
-) -> Result<Vec<Claim>, CaseError> {
+    run: impl Fn(u64) -> CaseResult<[Miss; N]>,
+) -> CaseResult {
     let claim = |(quantity, part): (&str, f64)| {
         let reason = "statistics: from 90 to 99 %; the deviation of 200 repetitions is 1.5 %";
-        let subject = subject(context, name, quantity);
-        Claim::within(subject, ErrorKind::Absolute, (part, 0.945), 0.0451, reason)
+        subject(context, name, quantity).absolute(part, 0.945).within(0.0451).because(reason)
     };
     Ok(quantities.into_iter().zip(parts(run)?).map(claim).collect())
 }
 
 /// Polynomials on three responses: the one on which their factor for heavy tails was chosen, and two on which it was not.
-fn polynomials(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn polynomials(context: &Context<'_>) -> CaseResult {
     let quantities = ["mean", "variance", "total"];
     let chosen = parts(|seed| exponential(seed, [0.1, 0.2, -0.1]))?;
     let mut claims = Vec::new();
@@ -115,23 +107,23 @@ fn polynomials(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         [("polynomial", first, chosen), ("polynomial-of-sines", quantities, second)]
     {
         for (quantity, part) in quantities.iter().zip(parts) {
-            let subject = subject(context, name, quantity);
             let reason =
                 "at least 90 %: the factor for heavy tails may be more than a response needs";
-            claims.push(Claim::within(subject, ErrorKind::Absolute, (part, 0.95), 0.0501, reason));
+            let compared = subject(context, name, quantity).absolute(part, 0.95);
+            claims.push(compared.within(0.0501).because(reason));
         }
     }
     let steep = parts(|seed| exponential(seed, [0.2, 0.3, 0.3]))?;
     for (quantity, part) in quantities.iter().zip(steep) {
-        let subject = subject(context, "polynomial-of-a-steep-exponential", quantity);
         let reason = "90 % is not reached for the variance: coefficients fall slowly, and tails are in no sample";
-        claims.push(Claim::as_measured(subject, Measured::exact(part), 0.75, 1.0, reason));
+        let subject = subject(context, "polynomial-of-a-steep-exponential", quantity);
+        claims.push(subject.measured(part, (0.75, 1.0)).because(reason));
     }
     Ok(claims)
 }
 
 /// Mean, variance and the probability of exceeding 3 of a geometric Brownian motion, by Euler-Maruyama.
-fn multilevel(seed: u64) -> Result<[Miss; 3], CaseError> {
+fn multilevel(seed: u64) -> CaseResult<[Miss; 3]> {
     let system = GeometricBrownianMotion::new(GROWTH[0], GROWTH[1])?;
     let ladder = PathLadder::<_, _, _, _, 1, 1> {
         system: &system,
@@ -171,7 +163,7 @@ fn multilevel(seed: u64) -> Result<[Miss; 3], CaseError> {
 }
 
 /// Mean and variance of `exp(x)`, `x ~ N(0, 0.3^2)`, with `x` and `x^2` as control variates.
-fn controlled(seed: u64) -> Result<[Miss; 2], CaseError> {
+fn controlled(seed: u64) -> CaseResult<[Miss; 2]> {
     let v = 0.09_f64;
     let mut normals = [0.0; 250];
     Noise::new(seed).stream(Purpose::Field, 0).fill_normal(&mut normals);
@@ -188,7 +180,7 @@ fn controlled(seed: u64) -> Result<[Miss; 2], CaseError> {
 }
 
 /// Moments of `exp(w z)`, and the total index of the second input.
-fn exponential(seed: u64, weights: [f64; 3]) -> Result<[Miss; 3], CaseError> {
+fn exponential(seed: u64, weights: [f64; 3]) -> CaseResult<[Miss; 3]> {
     let response = |z: &[f64]| z.iter().zip(weights).map(|(z, w)| w * z).sum::<f64>().exp();
     let s: f64 = weights.iter().map(|w| w * w).sum();
     let variance = s.exp() * s.exp_m1();
@@ -198,7 +190,7 @@ fn exponential(seed: u64, weights: [f64; 3]) -> Result<[Miss; 3], CaseError> {
 }
 
 /// Moments of `sin 0.8 z_1 + 0.5 z_2 cos 0.6 z_3`, and the total index of `z_3`, which acts by the other input alone.
-fn sines(seed: u64) -> Result<[Miss; 3], CaseError> {
+fn sines(seed: u64) -> CaseResult<[Miss; 3]> {
     let response = |z: &[f64]| (0.8 * z[0]).sin() + 0.5 * z[1] * (0.6 * z[2]).cos();
     let mean_square_sine = 0.5 * (1.0 - (-2.0 * 0.64_f64).exp());
     let mean_square_cosine = 0.5 * (1.0 + (-2.0 * 0.36_f64).exp());
@@ -213,7 +205,7 @@ fn by_polynomials(
     response: impl Fn(&[f64]) -> f64,
     [mean, variance, total]: [f64; 3],
     input: usize,
-) -> Result<[Miss; 3], CaseError> {
+) -> CaseResult<[Miss; 3]> {
     let cube = UnitCube {
         dimension: 3,
         sampling: Sampling::ScrambledSobol,
@@ -235,7 +227,7 @@ fn by_polynomials(
 }
 
 /// A paraboloid in 100 dimensions; `z_1^2 + 0.1 z_2^2 > 16`, on both sides, where lines are corrected by the points checked.
-fn lines(seed: u64) -> Result<[Miss; 2], CaseError> {
+fn lines(seed: u64) -> CaseResult<[Miss; 2]> {
     let curved = Model(100, paraboloid);
     let tail = TailSampling { model: &curved, level: paraboloid_level(100), seed };
     let on_one = tail.line_sampling(&tail.design_point()?, 100)?.probability;
@@ -252,7 +244,7 @@ fn lines(seed: u64) -> Result<[Miss; 2], CaseError> {
 }
 
 /// The quantile of 0.9 of `exp(z)` by 300 samples, and of `z_1 + z_2` by replicas.
-fn quantiles(seed: u64) -> Result<[Miss; 2], CaseError> {
+fn quantiles(seed: u64) -> CaseResult<[Miss; 2]> {
     let exact = normal_quantile(0.9);
     let mut samples = [0.0; 300];
     Noise::new(seed).stream(Purpose::Field, 0).fill_normal(&mut samples);
@@ -276,7 +268,7 @@ fn of_ishigami(sampling: Sampling, seed: u64, n_points: u64) -> UnitCube {
     UnitCube { dimension: 3, sampling, seed, n_points, n_replicas: REPLICAS }
 }
 
-fn cube(sampling: Sampling, seed: u64) -> Result<[Miss; 2], CaseError> {
+fn cube(sampling: Sampling, seed: u64) -> CaseResult<[Miss; 2]> {
     let found = of_ishigami(sampling, seed, 256).moments(1, ishigami)?[0];
     Ok([
         miss(found.mean, EXACT.mean, STUDENT_31),
@@ -284,7 +276,7 @@ fn cube(sampling: Sampling, seed: u64) -> Result<[Miss; 2], CaseError> {
     ])
 }
 
-fn sensitivity(sampling: Sampling, seed: u64) -> Result<[Miss; 5], CaseError> {
+fn sensitivity(sampling: Sampling, seed: u64) -> CaseResult<[Miss; 5]> {
     let found = &of_ishigami(sampling, seed, 256).sobol_indices(1, ishigami)?[0];
     let (first, total) = (EXACT.first(), EXACT.total());
     Ok([

@@ -2,7 +2,6 @@
 
 use reference_problems::order;
 use reference_problems::sde::damper::viscous_damper_at_rest;
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Observable, StateSpace, StrangOscillator, simulate,
 };
@@ -11,17 +10,14 @@ use uq_estimators::{
 };
 use vibrating_systems::GeometricBrownianMotion;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "uq-estimators/multilevel-cost",
     title: "cost of multilevel Monte Carlo against its tolerance, in steps, beside plain Monte Carlo",
     source: "closed form of geometric Brownian motion; the damped oscillator by Strang's splitting; Giles 2008, theorem 3.1",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Growth and volatility of the geometric Brownian motion, from 1 to time 1.
@@ -37,13 +33,13 @@ fn mean_to(tolerance: f64) -> [Target; 1] {
     [Target { response: 0, statistic: Statistic::Mean, tolerance }]
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = growth_claims(context)?;
     claims.extend(damper_claims(context)?);
     Ok(claims)
 }
 
-fn growth_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn growth_claims(context: &Context<'_>) -> CaseResult {
     let system = GeometricBrownianMotion::new(GROWTH[0], GROWTH[1])?;
     let ladder = PathLadder::<_, _, _, _, 1, 1> {
         system: &system,
@@ -62,20 +58,17 @@ fn growth_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = slopes(context, "growth", &tolerances, &results)?;
     claims.push(value(context, "growth", &tolerances, &results, Reference::exact(exact)));
     if let Some(finest) = results.last() {
-        let subject = context.subject(
-            "growth/speed-up",
-            "steps of plain over multilevel Monte Carlo at a relative error of 1e-3",
-            "",
-            "Euler-Maruyama, steps doubling from 1",
-        );
         let ratio = finest.single_level_cost / finest.cost;
+        let quantity = "steps of plain over multilevel Monte Carlo at a relative error of 1e-3";
+        let method = "Euler-Maruyama, steps doubling from 1";
         let reason = "at least 10 is asked; variances of a pilot move it by a few per cent";
-        claims.push(Claim::as_measured(subject, Measured::exact(ratio), 25.0, 60.0, reason));
+        let subject = context.subject("growth/speed-up", quantity, method);
+        claims.push(subject.measured(ratio, (25.0, 60.0)).because(reason));
     }
     Ok(claims)
 }
 
-fn damper_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn damper_claims(context: &Context<'_>) -> CaseResult {
     let (system, end) = (viscous_damper_at_rest()?, 2.0);
     let ladder = PathLadder::<_, _, _, _, 2, 1> {
         system: &StateSpace(system.clone()),
@@ -93,12 +86,10 @@ fn damper_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let square = [Observable::Mean(&|_, x: &[f64; 2]| x[0] * x[0])];
     let strang = simulate(&system, &StrangOscillator, &[0.0; 2], &config, &square)?;
     let strang = strang.estimates[0][0];
-    let error = strang.standard_error().ok_or("no standard error")?;
     let tolerances = [3.2e-2, 1.6e-2, 8e-3, 4e-3].map(|relative| relative * strang.value);
     let results = refine(context, "damper", &ladder, &tolerances)?;
     let mut claims = slopes(context, "damper", &tolerances, &results)?;
-    let reference = Reference::uncertain(strang.value, error);
-    claims.push(value(context, "damper", &tolerances, &results, reference));
+    claims.push(value(context, "damper", &tolerances, &results, estimated(&strang)));
     Ok(claims)
 }
 
@@ -107,7 +98,7 @@ fn refine(
     name: &str,
     ladder: &impl Ladder,
     tolerances: &[f64],
-) -> Result<Vec<MultilevelResult>, CaseError> {
+) -> CaseResult<Vec<MultilevelResult>> {
     let mut results = Vec::new();
     for tolerance in tolerances {
         context.progress(&format!("{name}: tolerance {tolerance:.1e}"));
@@ -122,20 +113,18 @@ fn slopes(
     name: &str,
     tolerances: &[f64],
     results: &[MultilevelResult],
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let claim = |id: &str, cost: &dyn Fn(&MultilevelResult) -> f64, expected: f64| {
         let levels: Vec<(f64, f64)> =
             tolerances.iter().zip(results).map(|(eps, found)| (*eps, cost(found))).collect();
-        let subject = context.subject(
-            &format!("{name}/{id}"),
-            "slope of the steps against the tolerance",
-            "",
-            "tolerances halved, costs in steps, the pilot included",
-        );
         let reason = "statistics: a whole number of levels, sampled variances, the logarithm in the cost, the pilot";
-        let criterion = Criterion::Within { tolerance: 0.35, reason };
         let (kind, expected) = (ErrorKind::Order, Reference::exact(expected));
-        order::fit(&levels).map(|found| Claim::judge(subject, kind, found, expected, criterion))
+        order::fit(&levels).map(|found| {
+            let quantity = "slope of the steps against the tolerance";
+            let method = "tolerances halved, costs in steps, the pilot included";
+            let subject = context.subject(format!("{name}/{id}"), quantity, method);
+            subject.compared(kind, found, expected).within(0.35).because(reason)
+        })
     };
     Ok(vec![
         claim("multilevel-slope", &|found| found.cost, -2.0)?,
@@ -157,10 +146,9 @@ fn value(
     };
     let standard_error = found.estimate.standard_error().unwrap_or(f64::NAN);
     let method = format!("tolerance {tolerance:.1e}, reached: {}", found.is_reached);
-    let subject = context.subject(&format!("{name}/mean"), "mean of the response", "", &method);
-    let measured = Measured::sampled(found.estimate.value, standard_error);
     let bias_bound = tolerance * std::f64::consts::FRAC_1_SQRT_2;
     let reason = "half of the squared tolerance is for the bias";
-    let criterion = Criterion::MonteCarlo { bias_bound, reason };
-    Claim::judge(subject, ErrorKind::Absolute, measured, reference, criterion)
+    let value = Measured::sampled(found.estimate.value, standard_error);
+    let subject = context.subject(format!("{name}/mean"), "mean of the response", &method);
+    subject.absolute(value, reference).monte_carlo(bias_bound).because(reason)
 }

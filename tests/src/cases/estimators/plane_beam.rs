@@ -5,7 +5,7 @@ use random_fields::{
 };
 use uq_estimators::{Failure, NormalModel};
 
-use crate::case::CaseError;
+use crate::cases::prelude::*;
 
 /// Elements along and across the beam.
 pub(crate) const CELLS: [usize; 2] = [50, 20];
@@ -68,7 +68,7 @@ const N_UNKNOWNS: usize = CELLS[0] * PER_COLUMN;
 const BAND: usize = PER_COLUMN + 3;
 
 impl Beam {
-    pub(crate) fn new(choice: Choice) -> Result<Self, CaseError> {
+    pub(crate) fn new(choice: Choice) -> CaseResult<Self> {
         let side = [SIZE[0] / CELLS[0] as f64, SIZE[1] / CELLS[1] as f64];
         let centre = |cell: usize| {
             let (i, j) = (cell / CELLS[1], cell % CELLS[1]);

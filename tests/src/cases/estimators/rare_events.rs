@@ -1,21 +1,16 @@
 //! Rare events of many standard normals: closed forms in 2 to 500 dimensions, and plain samples.
 
-use result_figures::{ErrorKind, Reference};
 use sde_integrators::{Estimate, Noise, Purpose, normal_probability};
 use uq_estimators::{Failure, NormalModel, TailSampling};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::estimates::{against_exact, sampled};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "uq-estimators/rare-events",
     title: "Line sampling of many standard normals: paraboloids, sum of lognormals",
     source: "quadrature over the normal and the chi-square distribution; plain samples",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// A closure of normals, without a gradient.
@@ -63,7 +58,7 @@ pub(super) fn exact_paraboloid(n: usize) -> f64 {
     sum / whole
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     for n in [2, 20, 100, 500] {
         claims.push(of_paraboloid(context, n)?);
@@ -72,25 +67,19 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn of_paraboloid(context: &Context<'_>, n: usize) -> Result<Claim, CaseError> {
+fn of_paraboloid(context: &Context<'_>, n: usize) -> CaseResult<Claim> {
     let model = Model(n, paraboloid);
     let tail = TailSampling { model: &model, level: paraboloid_level(n), seed: 12 };
     let found = tail.line_sampling(&tail.design_point()?, 1_000)?;
-    against_exact(
-        context,
-        (
-            &format!("paraboloid/{n}"),
-            "P(z_1 + 0.01 (z_2^2 + ... + z_n^2) > 4 + 0.01 (n - 1))",
-            &format!("1,000 lines, {n} normals, {} runs", found.runs.values),
-        ),
-        &found.probability,
-        exact_paraboloid(n),
-        (1e-4, "the error of a root, 1e-4 of the probability on a line"),
-    )
+    let quantity = "P(z_1 + 0.01 (z_2^2 + ... + z_n^2) > 4 + 0.01 (n - 1))";
+    let method = format!("1,000 lines, {n} normals, {} runs", found.runs.values);
+    let subject = context.subject(format!("paraboloid/{n}"), quantity, method);
+    let compared = subject.relative(sampled(&found.probability)?, exact_paraboloid(n));
+    Ok(compared.monte_carlo(1e-4).because("the error of a root, 1e-4 of the probability on a line"))
 }
 
 /// A sum of 50 lognormals with a common factor, against plain samples.
-fn lognormals(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn lognormals(context: &Context<'_>) -> CaseResult<Claim> {
     const N: usize = 51;
     let value = |z: &[f64]| z[1..].iter().map(|own| (0.2 * z[0] + 0.3 * own).exp()).sum::<f64>();
     let (level, n_samples) = (100.0, 400_000);
@@ -103,18 +92,11 @@ fn lognormals(context: &Context<'_>) -> Result<Claim, CaseError> {
     let model = Model(N, value);
     let tail = TailSampling { model: &model, level, seed: 16 };
     let found = tail.line_sampling(&tail.design_point()?, 400)?;
-    let plain = sampled(&plain)?;
-    let error = plain.standard_error.ok_or("no sample above the level")?;
-    Ok(Claim::judge(
-        context.subject(
-            "lognormal-sum",
-            "P(sum of 50 lognormals > 100)",
-            "",
-            &format!("400 lines, {} runs, against 400,000 plain samples", found.runs.values),
-        ),
-        ErrorKind::Relative,
-        sampled(&found.probability)?,
-        Reference::uncertain(plain.value, error),
-        Criterion::MonteCarlo { bias_bound: 1e-4, reason: "the error of a root" },
-    ))
+    let method = format!("400 lines, {} runs, against 400,000 plain samples", found.runs.values);
+    let reason = "the error of a root";
+    let subject = context.subject("lognormal-sum", "P(sum of 50 lognormals > 100)", method);
+    Ok(subject
+        .relative(sampled(&found.probability)?, estimated(&plain))
+        .monte_carlo(1e-4)
+        .because(reason))
 }

@@ -5,20 +5,16 @@ use fpk_sph::{
     Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Metric, Remapping, Simulation,
 };
 use reference_problems::fpk::methods::BOUC_WEN_LATTICE;
+use reference_problems::fpk::problem::bouc_wen;
 use reference_problems::fpk::reference::ReferenceTable;
-use result_figures::ErrorKind;
 use scenes::clock::CpuClock;
 use scenes::fpk::density::estimate;
-use scenes::fpk::system::System;
 use sde_integrators::GaussianMixture;
 use vibrating_systems::BoucWen;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
-use super::{scene, worst};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use super::{exceedance_at, worst};
+use crate::cases::prelude::*;
 
 pub(super) const SOURCE: &str =
     "Canor & Denoël 2013, section 4.2; references by Monte Carlo and importance sampling";
@@ -28,8 +24,7 @@ pub(crate) const COARSE: Case = Case {
     title: "Building that yields in an earthquake, flow-map fit, spacing 0.6",
     source: SOURCE,
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: coarse,
+    run: Together(coarse),
 };
 
 pub(crate) const CASE: Case = Case {
@@ -37,8 +32,7 @@ pub(crate) const CASE: Case = Case {
     title: "Building that yields in an earthquake, flow-map fit, 8,217 particles",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: fine,
+    run: Together(fine),
 };
 
 pub(crate) const REMAPPED: Case = Case {
@@ -46,8 +40,7 @@ pub(crate) const REMAPPED: Case = Case {
     title: "Building that yields in an earthquake, spacing 0.6, with and without remeshing",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: remapped,
+    run: Together(remapped),
 };
 
 /// What was seen at one time.
@@ -92,24 +85,18 @@ pub(super) fn run(
     lattice: InitialLattice<3>,
     times: &[f64],
     most_steps: u64,
-) -> Result<Run, CaseError> {
-    let text = include_str!("../../../scenes/fpk/bouc_wen.json");
-    let scene = scene("tests/scenes/fpk/bouc_wen.json", text)?;
-    let System::BoucWen(system) = scene.system.build()? else {
-        return Err("the scene holds another system".into());
-    };
-    let law = scene.initial.build(None)?;
+) -> CaseResult<Run> {
+    let (system, law, reference) = bouc_wen()?;
     let reference_period = system.period();
     let config = Config { method, lattice, reference_period, most_steps };
-    watched(system, &law, &config, times)
+    watched((system, &law, reference), &config, times)
 }
 
 fn watched(
-    system: BoucWen,
-    law: &GaussianMixture<3>,
+    (system, law, reference): (BoucWen, &GaussianMixture<3>, ReferenceTable),
     config: &Config<3>,
     times: &[f64],
-) -> Result<Run, CaseError> {
+) -> CaseResult<Run> {
     let limit = system.z_limit();
     let start = CpuClock::start();
     let mut simulation = Simulation::new(system, law, config)?;
@@ -128,7 +115,7 @@ fn watched(
         // The paper's clouds leave too few neighbours for local fits.
         let fits = config.method.combination().metric == Metric::Whitened;
         let cells = fits.then(|| simulation.cell_integral()).transpose()?;
-        let exceedance = |threshold: f64| -> Result<_, CaseError> {
+        let exceedance = |threshold: f64| -> CaseResult<_> {
             let demand = |x: &[f64; 3]| x[0].abs();
             let over_cells =
                 cells.as_ref().map(|cells| cells.exceedance(demand, threshold)).transpose()?;
@@ -148,25 +135,20 @@ fn watched(
         simulation.work().steps,
         start.seconds()
     );
-    Ok(Run { seen, words, reference: ReferenceTable::bouc_wen()?, stopped })
+    Ok(Run { seen, words, reference, stopped })
 }
 
 impl Run {
     /// Refuses a run that ended early.
-    fn to_its_end(&self) -> Result<(), CaseError> {
+    fn to_its_end(&self) -> CaseResult<()> {
         match &self.stopped {
             Some((time, error)) => Err(format!("the run ended after t = {time}: {error}").into()),
             None => Ok(()),
         }
     }
 
-    pub(super) fn lines<'a>(
-        &self,
-        context: &'a Context<'a>,
-        id: &'a str,
-        words: &str,
-    ) -> Lines<'a> {
-        Lines { context, id, method: format!("{words}, {}", self.words) }
+    pub(super) fn lines<'a>(&self, context: &'a Context<'a>, id: &str, words: &str) -> Lines<'a> {
+        context.lines(id, format!("{words}, {}", self.words))
     }
 
     /// A second moment at one time.
@@ -175,31 +157,22 @@ impl Run {
         lines: &Lines<'_>,
         (k, seen): (usize, &Seen),
         criterion: Criterion<'_>,
-    ) -> Result<Claim, CaseError> {
+    ) -> CaseResult<Claim> {
         let (powers, name, quantity, unit) = POWERS[k];
         let reference = self.reference.moment(powers, seen.t).ok_or("no reference")?;
-        let name = format!("{name}/t{}", seen.t);
-        let what = (name.as_str(), quantity, unit);
-        Ok(lines.judge(what, ErrorKind::Relative, seen.moments[k], reference, criterion))
+        let subject = lines.of(format!("{name}/t{}", seen.t), quantity).unit(unit);
+        Ok(subject.relative(seen.moments[k], reference).judged(criterion))
     }
 
     /// The worst of each second moment over the times of the run.
-    fn moments(
-        &self,
-        lines: &Lines<'_>,
-        tolerances: [f64; 3],
-        reason: &str,
-    ) -> Result<Vec<Claim>, CaseError> {
+    fn moments(&self, lines: &Lines<'_>, tolerances: [f64; 3], reason: &str) -> CaseResult {
         let mut claims = Vec::new();
         for (k, tolerance) in tolerances.into_iter().enumerate() {
             let criterion = Criterion::Within { tolerance, reason };
             let family = self.seen.iter().map(|seen| self.moment(lines, (k, seen), criterion));
+            let family = family.collect::<Result<_, _>>()?;
             let name = format!("{}/{}/worst", lines.id, POWERS[k].1);
-            claims.push(worst(
-                lines.context,
-                (&name, &self.times()),
-                family.collect::<Result<_, _>>()?,
-            )?);
+            claims.push(worst(lines.context, (&name, &self.times()), family)?);
         }
         Ok(claims)
     }
@@ -229,10 +202,8 @@ impl Run {
                 } else {
                     (indicator, "indicator")
                 };
-                let name = format!("exceedance-{estimator}/threshold-{threshold}/t{t}");
-                let quantity = format!("P(|q| > {threshold})");
-                let what = (name.as_str(), quantity.as_str(), "");
-                claims.push(lines.judge(what, ErrorKind::Log10, value, reference, criterion));
+                let subject = exceedance_at(lines, estimator, threshold, *t);
+                claims.push(subject.log10(value, reference).judged(criterion));
             }
         }
         claims
@@ -244,7 +215,7 @@ impl Run {
         lines: &Lines<'_>,
         (name, highest, until): (&str, f64, f64),
         criterion: Criterion<'_>,
-    ) -> Result<Claim, CaseError> {
+    ) -> CaseResult<Claim> {
         let over = format!("{} to {until}, T to {highest}", self.times());
         let family = self.tail(lines, true, |threshold, t| {
             (threshold <= highest && t <= until).then_some(criterion)
@@ -275,31 +246,19 @@ impl Run {
                 }
             }
         }
-        let of = |n: i32| format!("all times and T with a reference, {n} of them");
-        let reason = "truncation of the fits near the fold; what rests on unresolved cells, or lies outside, is not among them";
-        let resolved = Lines { method: format!("{}, {}", lines.method, of(n_resolved)), ..*lines };
-        let bounds = Lines { method: format!("{}, {}", lines.method, of(n_bounds)), ..*lines };
+        let over = |n: i32| Lines {
+            method: format!("{}, all times and T with a reference, {n} of them", lines.method),
+            ..lines.clone()
+        };
         vec![
-            resolved.bounded(
-                (
-                    "exceedance-cell/resolved",
-                    "worst error of log10 P that is said to be resolved",
-                    "",
-                ),
-                worst,
-                0.08,
-                reason,
-            ),
-            bounds.bounded(
-                (
-                    "exceedance-cell/bounds",
-                    "probabilities above the bound that is given for them",
-                    "",
-                ),
-                f64::from(beyond),
-                0.0,
-                "counted; a bound is what the lattice left outside and what was found",
-            ),
+            over(n_resolved)
+                .of("exceedance-cell/resolved", "worst error of log10 P that is said to be resolved")
+                .bounded(worst, 0.08)
+                .because("truncation of the fits near the fold; what rests on unresolved cells, or lies outside, is not among them"),
+            over(n_bounds)
+                .of("exceedance-cell/bounds", "probabilities above the bound that is given for them")
+                .bounded(f64::from(beyond), 0.0)
+                .because("counted; a bound is what the lattice left outside and what was found"),
         ]
     }
 
@@ -307,11 +266,11 @@ impl Run {
     pub(super) fn bounded(&self, lines: &Lines<'_>) -> Claim {
         let z = self.seen.last().map_or(f64::NAN, |seen| seen.z);
         let reason = "z' = 0 at |z| = (A/(beta + gamma))^(1/n): no path passes it; looked at every 0.05 s or finer";
-        lines.measured(("largest-z", "largest |z| over its limit", ""), z, (0.0, 1.0), reason)
+        lines.of("largest-z", "largest |z| over its limit").measured(z, (0.0, 1.0)).because(reason)
     }
 }
 
-fn coarse(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn coarse(context: &Context<'_>) -> CaseResult {
     let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.6 };
     let run = run(Method::FlowMapFit, lattice, &[1.0, 2.0, 3.0, 3.6], DEFAULT_MOST_STEPS)?;
     run.to_its_end()?;
@@ -328,7 +287,7 @@ fn coarse(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// Smallest probability that the second run of [`fine`] is asked for.
 const SMALLEST: f64 = 1e-6;
 
-fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn fine(context: &Context<'_>) -> CaseResult {
     let times = [1.0, 2.0, 3.0, 3.6, 4.0, 5.0, 6.0];
     let near = run(Method::FlowMapFit, BOUC_WEN_LATTICE, &times, DEFAULT_MOST_STEPS)?;
     near.to_its_end()?;
@@ -360,19 +319,15 @@ fn fine(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// Effect of remeshing in three dimensions: better moments after t = 4, a worse tail.
-fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn remapped(context: &Context<'_>) -> CaseResult {
     let times = [3.6, 4.0, 5.0, 6.0];
     let remapping = Remapping { most_uneven: 4.0, most_change: 0.05, ..Remapping::MEASURED };
     let mut claims = Vec::new();
     for (id, method) in [("without", Method::FlowMapFit), ("with", fresh_lattices(remapping, 40.0))]
     {
         context.progress(id);
-        let run = run(
-            method,
-            InitialLattice::Ball { reach: 5.0, spacing: 0.6 },
-            &times,
-            DEFAULT_MOST_STEPS,
-        )?;
+        let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.6 };
+        let run = run(method, lattice, &times, DEFAULT_MOST_STEPS)?;
         let words = format!("flow-map fit, 5 sigma, spacing 0.6, {id} remeshing");
         let lines = run.lines(context, id, &words);
         let with = id == "with";
@@ -393,8 +348,8 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         }
         claims.push(if with {
             let z = run.seen.last().map_or(f64::NAN, |seen| seen.z);
-            let reason = "not kept: an even lattice goes on beyond the sheet |z| = 1";
-            lines.measured(("largest-z", "largest |z| over its limit", ""), z, (0.9, 2.0), reason)
+            let claim = lines.of("largest-z", "largest |z| over its limit").measured(z, (0.9, 2.0));
+            claim.because("not kept: an even lattice goes on beyond the sheet |z| = 1")
         } else {
             run.bounded(&lines)
         });

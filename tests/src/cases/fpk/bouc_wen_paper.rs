@@ -3,18 +3,14 @@
 use fpk_sph::{Combination, Error, InitialLattice, Method};
 
 use super::bouc_wen::{SOURCE, run as run_to};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/bouc-wen-canor-denoel-2013",
     title: "Building that yields in an earthquake, the paper's method: 13^3 and 21^3 particles",
     source: SOURCE,
     cost: Profile::Full,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// The paper's method on its lattice: where its errors were seen, with room, since the run is chaotic in the last bit.
@@ -68,13 +64,13 @@ const LARGE: PaperRun = PaperRun {
     steps: (3_000.0, 10_000.0),
 };
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = paper_run(context, &SMALL)?;
     claims.extend(paper_run(context, &LARGE)?);
     Ok(claims)
 }
 
-fn paper_run(context: &Context<'_>, paper: &PaperRun) -> Result<Vec<Claim>, CaseError> {
+fn paper_run(context: &Context<'_>, paper: &PaperRun) -> CaseResult {
     let &PaperRun { count, support_over_spacing, most_steps, .. } = paper;
     let method = Method::Custom(Combination {
         support_over_spacing,
@@ -97,7 +93,8 @@ fn paper_run(context: &Context<'_>, paper: &PaperRun) -> Result<Vec<Claim>, Case
     }));
     let steps = run.seen.get(1).map_or(f64::NAN, |seen| seen.steps as f64);
     let reason = "the Courant rule follows the smallest smoothing length, which clumping drives down; the prototype took 6,016 with 21^3";
-    claims.push(lines.measured(("steps/t2", "steps to t = 2", ""), steps, paper.steps, reason));
+    let claim = lines.of("steps/t2", "steps to t = 2").measured(steps, paper.steps);
+    claims.push(claim.because(reason));
     let (time, words) = match &run.stopped {
         Some((time, error @ (Error::WorkLimit { .. } | Error::StepCollapsed { .. }))) => {
             (*time, error.to_string())
@@ -105,14 +102,10 @@ fn paper_run(context: &Context<'_>, paper: &PaperRun) -> Result<Vec<Claim>, Case
         Some((_, error)) => (f64::NAN, format!("another error: {error}")),
         None => (f64::NAN, "the run reached t = 4 within its steps".to_owned()),
     };
+    let lines = context.lines(paper.id, words);
     let reason = "steps of 1e-4 and less: it goes on, but not to an end worth waiting for";
-    let lines = Lines { context, id: paper.id, method: words };
-    claims.push(lines.measured(
-        ("ends", "time at which the limit of steps ends it", "s"),
-        time,
-        (2.0, 3.9),
-        reason,
-    ));
+    let subject = lines.of("ends", "time at which the limit of steps ends it").unit("s");
+    claims.push(subject.measured(time, (2.0, 3.9)).because(reason));
     claims.push(run.bounded(&lines));
     Ok(claims)
 }

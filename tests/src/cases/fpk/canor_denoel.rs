@@ -2,24 +2,20 @@
 
 use reference_problems::fpk::methods::papers_config;
 use reference_problems::fpk::problem::Problem;
-use result_figures::Measured;
 use scenes::fpk::density::DensityRun;
 
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/canor-denoel-2013",
     title: "The paper's method as printed: 50 x 33 particles, Courant 0.8, support/spacing 2.5",
     source: "Canor & Denoël 2013, sections 3 and 4.1",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     for (problem, scene, bands) in [
         (Problem::viscous_damper()?, "viscous-damper", &DAMPER),
@@ -31,7 +27,8 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             &asked(&[2.0, 6.0], &problem, false),
         )?;
         let method = run.words("Canor & Denoël 2013");
-        let judge = Judge { context, problem: &problem, run: &run, id: scene, method };
+        let lines = context.lines(scene, method);
+        let judge = Judge { problem: &problem, run: &run, lines };
         claims.extend(moments(&judge, bands)?);
         claims.push(steps(&judge, &run, bands.steps));
         claims.push(judge.worst_exceedance(
@@ -85,7 +82,7 @@ const LINEAR: Bands = Bands {
     tail: tail(0.5),
 };
 
-fn moments(judge: &Judge<'_>, bands: &Bands) -> Result<Vec<Claim>, CaseError> {
+fn moments(judge: &Judge<'_>, bands: &Bands) -> CaseResult {
     let mut claims = Vec::new();
     for (k, (t, powers)) in
         [(2.0, [2, 0]), (2.0, [0, 2]), (6.0, [2, 0]), (6.0, [0, 2])].into_iter().enumerate()
@@ -95,14 +92,9 @@ fn moments(judge: &Judge<'_>, bands: &Bands) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn steps(judge: &Judge<'_>, run: &DensityRun, (from, to): (f64, f64)) -> Claim {
-    let subject = judge.context.subject(
-        &format!("{}/steps/t6", judge.id),
-        "steps to t = 6",
-        "",
-        &judge.method,
-    );
+fn steps(judge: &Judge<'_>, run: &DensityRun, range: (f64, f64)) -> Claim {
     let reason = "the Courant rule follows the smallest smoothing length, which clumping drives down; \
                   the prototype took 2,199, the paper reports about 11,000 for its whole run";
-    Claim::as_measured(subject, Measured::exact(run.work.steps as f64), from, to, reason)
+    let claim = judge.lines.of("steps/t6", "steps to t = 6");
+    claim.measured(run.work.steps as f64, range).because(reason)
 }

@@ -5,26 +5,21 @@ use fpk_sph::{
     Combination, ConditionedSimulation, Config, DEFAULT_MOST_STEPS, InitialLattice, Method,
     Remapping, Simulation,
 };
-use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::estimate;
 use scenes::fpk::system::System;
 use sde_integrators::{Additive, GaussianMixture, Sde};
 use serde::Deserialize;
 use vibrating_systems::{Filter, Filtered, KanaiTajimiParameters, Window};
 
-use super::{scene, worst};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use super::{exceedance_at, scene, worst};
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/conditioned-filter",
     title: "Structures behind Kanai-Tajimi, the states of the soil conditioned out, against paths",
     source: "4e6 to 4e7 paths of Heun's method by independent programs",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// `tests/reference/derived/fpk/conditioned_filter.json`.
@@ -36,7 +31,7 @@ pub(super) struct Derived {
 }
 
 impl Derived {
-    pub(super) fn read() -> Result<Self, CaseError> {
+    pub(super) fn read() -> CaseResult<Self> {
         let text = include_str!("../../../reference/derived/fpk/conditioned_filter.json");
         Ok(serde_json::from_str(text)?)
     }
@@ -84,7 +79,8 @@ fn probability(p: f64, n: f64) -> Reference {
 /// Id, quantity and unit of a moment.
 type Name = (&'static str, &'static str, &'static str);
 
-const NAMES: [Name; 3] = [
+/// Second moments of displacement, velocity and hysteretic displacement.
+pub(super) const NAMES: [Name; 3] = [
     ("second-moment-q", "E[q^2]", "m^2"),
     ("second-moment-v", "E[v^2]", "m^2/s^2"),
     ("second-moment-z", "E[z^2]", "m^2"),
@@ -110,7 +106,7 @@ impl<S, const DS: usize, const D: usize> Structure<'_, S, DS, D>
 where
     S: Sde<DS, 1, Noise = Additive> + Clone,
 {
-    fn claims(&self, context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+    fn claims(&self, context: &Context<'_>) -> CaseResult {
         let (reach, spacing) = self.ball;
         let combination =
             Combination { remapping: self.remapping, ..Method::FlowMapFit.combination_in(DS) };
@@ -128,7 +124,7 @@ where
             simulation.structure().n_particles(),
             self.paths.paths
         );
-        let lines = Lines { context, id: self.id, method };
+        let lines = context.lines(self.id, method);
         let mut families: Vec<Vec<Claim>> = self.moments.iter().map(|_| Vec::new()).collect();
         let mut tail = Vec::new();
         for row in &self.paths.rows {
@@ -167,9 +163,8 @@ fn moments<S: Sde<D, 1>, const D: usize>(
 ) -> Vec<Claim> {
     let claim = |(k, (&(name, quantity, unit), &[value, error])): (usize, (&Name, &[f64; 2]))| {
         let found = structure.raw_moment(std::array::from_fn(|l| if l == k { 2 } else { 0 }));
-        let name = format!("{name}/t{}", row.t);
-        let reference = Reference::uncertain(value, error);
-        lines.judge((&name, quantity, unit), ErrorKind::Relative, found, reference, within)
+        let subject = lines.of(format!("{name}/t{}", row.t), quantity).unit(unit);
+        subject.relative(found, Reference::uncertain(value, error)).judged(within)
     };
     NAMES.iter().zip(&row.second_moments).enumerate().map(claim).collect()
 }
@@ -181,16 +176,13 @@ fn exceedances<S: Sde<D, 1>, const D: usize>(
     structure: &Simulation<S, D, 1>,
     (least, n): (f64, f64),
     within: Criterion<'_>,
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let known: Vec<_> = row.exceedance.iter().filter(|[_, p]| *p >= least).collect();
     let thresholds: Vec<f64> = known.iter().map(|[threshold, _]| *threshold).collect();
     let found = structure.cell_integral()?.exceedances(|s| s[0].abs(), &thresholds)?;
     let claim = |(&&[threshold, p], found): (&&[f64; 2], &Exceedance)| {
-        let name = format!("exceedance-cell/threshold-{threshold}/t{}", row.t);
-        let quantity = format!("P(|q| > {threshold})");
-        let reference = probability(p, n);
-        let what = (name.as_str(), quantity.as_str(), "");
-        lines.judge(what, ErrorKind::Log10, estimate(found.probability()), reference, within)
+        let subject = exceedance_at(lines, "cell", threshold, row.t);
+        subject.log10(estimate(found.probability()), probability(p, n)).judged(within)
     };
     Ok(known.iter().zip(&found).map(claim).collect())
 }
@@ -203,7 +195,7 @@ pub(super) struct CubicSpring {
 
 impl CubicSpring {
     /// Behind firm soil, with the law of the start.
-    pub(super) fn behind_soil() -> Result<(Filtered<Self, 2, 2>, GaussianMixture<4>), CaseError> {
+    pub(super) fn behind_soil() -> CaseResult<(Filtered<Self, 2, 2>, GaussianMixture<4>)> {
         let structure = Self { window: Window::CANOR_DENOEL_2013 };
         let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
         let system = Filtered::new(structure, Filter::kanai_tajimi(soil)?, Window::Stationary)?;
@@ -227,7 +219,7 @@ impl Sde<2, 1> for CubicSpring {
 
 const OTHER: &str = "the scene holds another system";
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let derived = Derived::read()?;
     let mut claims = damper(context, &derived.viscous_damper)?;
     claims.extend(cubic_spring(context, &derived.cubic_spring)?);
@@ -235,7 +227,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn damper(context: &Context<'_>, paths: &Paths) -> Result<Vec<Claim>, CaseError> {
+fn damper(context: &Context<'_>, paths: &Paths) -> CaseResult {
     let text = include_str!("../../../scenes/fpk/damper_kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/damper_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
@@ -262,7 +254,7 @@ fn damper(context: &Context<'_>, paths: &Paths) -> Result<Vec<Claim>, CaseError>
     structure.claims(context)
 }
 
-fn cubic_spring(context: &Context<'_>, paths: &Paths) -> Result<Vec<Claim>, CaseError> {
+fn cubic_spring(context: &Context<'_>, paths: &Paths) -> CaseResult {
     let (system, law) = CubicSpring::behind_soil()?;
     let first = "the fit at a spacing of 0.35 and one covariance for all states";
     let last = "the same; the spring begins to fold the cloud, whose tail is then lost: at t = 6 E[q^2] is 1.9 % low";
@@ -288,7 +280,7 @@ fn cubic_spring(context: &Context<'_>, paths: &Paths) -> Result<Vec<Claim>, Case
     Ok([structure.claims(context)?, remeshed.claims(context)?].concat())
 }
 
-fn bouc_wen(context: &Context<'_>, paths: &Paths) -> Result<Vec<Claim>, CaseError> {
+fn bouc_wen(context: &Context<'_>, paths: &Paths) -> CaseResult {
     let text = include_str!("../../../scenes/fpk/bouc_wen_kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/bouc_wen_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;

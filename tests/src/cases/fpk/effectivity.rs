@@ -1,24 +1,19 @@
 //! The error that a refinement states against the error that it makes: the effectivity index.
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Refinement, Simulation, refine};
-use reference_problems::fpk::reference::ReferenceTable;
-use result_figures::Reference;
-use scenes::fpk::system::System;
+use fpk_sph::{Config, InitialLattice, Refinement, Simulation, refine};
+use reference_problems::fpk::problem;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::GeometricBrownianMotion;
 
-use super::scene;
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
+use super::flow_map_fit;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/effectivity",
     title: "Estimated over true error of second moments, three lattices finer by the square root of two",
     source: "Roache 1994; Oberkampf & Roy 2010; references of the scenes",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// An index from 0.5 to 2 is a good one.
@@ -26,7 +21,7 @@ const GOOD: std::ops::RangeInclusive<f64> = 0.5..=2.0;
 /// A true error below this many errors of its reference is not known.
 const KNOWN: f64 = 4.0;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut all = Vec::new();
     let mut claims = Vec::new();
     let mut take = |name: &str, indices: Vec<Index>, words: (&str, (f64, f64))| {
@@ -45,14 +40,9 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let share = share(&all);
     let method =
         format!("{} values of second moments, all scenes; the finest of three runs", all.len());
-    let lines = Lines { context, id: "all", method };
-    let reason = "four of five are asked for";
-    claims.push(lines.measured(
-        ("share", "share of indices from 0.5 to 2", ""),
-        share,
-        asked,
-        reason,
-    ));
+    let lines = context.lines("all", method);
+    let claim = lines.of("share", "share of indices from 0.5 to 2").measured(share, asked);
+    claims.push(claim.because("four of five are asked for"));
     Ok(claims)
 }
 
@@ -75,15 +65,14 @@ fn of_scene(
 ) -> Vec<Claim> {
     let words: Vec<String> =
         indices.iter().map(|index| format!("{} {:.2}", index.name, index.value)).collect();
-    let method = format!("estimated over true error: {}", words.join(", "));
     let values: Vec<f64> = indices.iter().map(|index| index.value).collect();
-    let lines = Lines { context, id: name, method };
-    vec![lines.measured(
-        ("share", "share of indices from 0.5 to 2", ""),
-        share(&values),
-        band,
-        reason,
-    )]
+    let lines = context.lines(name, format!("estimated over true error: {}", words.join(", ")));
+    vec![
+        lines
+            .of("share", "share of indices from 0.5 to 2")
+            .measured(share(&values), band)
+            .because(reason),
+    ]
 }
 
 /// What is refined: where it starts, until when, and what is looked at.
@@ -103,7 +92,7 @@ fn indices<S: Sde<D, M> + Clone, const D: usize, const M: usize>(
     system: &S,
     asks: &Asks<'_, D>,
     exact: impl Fn([u32; D], f64) -> Option<Reference>,
-) -> Result<Vec<Index>, CaseError> {
+) -> CaseResult<Vec<Index>> {
     // A tolerance that is never met: the particles end it.
     let &Asks { order, most_particles, .. } = asks;
     let refinement = Refinement { tolerance: 1e-12, order, most_particles };
@@ -133,19 +122,10 @@ fn indices<S: Sde<D, M> + Clone, const D: usize, const M: usize>(
     Ok(found)
 }
 
-fn bouc_wen() -> Result<Vec<Index>, CaseError> {
-    let text = include_str!("../../../scenes/fpk/bouc_wen.json");
-    let scene = scene("tests/scenes/fpk/bouc_wen.json", text)?;
-    let System::BoucWen(system) = scene.system.build()? else {
-        return Err("the scene holds another system".into());
-    };
-    let law = scene.initial.build(None)?;
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Ball { reach: 5.0, spacing: 0.85 },
-        reference_period: system.period(),
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+fn bouc_wen() -> CaseResult<Vec<Index>> {
+    let (system, law, reference) = problem::bouc_wen()?;
+    let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.85 };
+    let config = flow_map_fit(lattice, system.period());
     let asks = Asks {
         law: &law,
         config,
@@ -155,21 +135,15 @@ fn bouc_wen() -> Result<Vec<Index>, CaseError> {
         times: &[1.0, 2.0, 3.0, 3.6],
         moments: &[("E[q^2]", [2, 0, 0]), ("E[v^2]", [0, 2, 0]), ("E[z^2]", [0, 0, 2])],
     };
-    let reference = ReferenceTable::bouc_wen()?;
     indices(&system, &asks, |powers, t| reference.moment(powers, t))
 }
 
-fn gbm() -> Result<Vec<Index>, CaseError> {
+fn gbm() -> CaseResult<Vec<Index>> {
     let (growth, volatility, deviation) = (0.1, 0.3, 0.05);
     let system = GeometricBrownianMotion::new(growth, volatility)?;
     let law = GaussianMixture::independent([1.0], [deviation])?;
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Box { reach: 6.0, count: [37] },
-        // The time in which the noise doubles the variance of the start.
-        reference_period: 0.03,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    // The reference period is the time in which the noise doubles the variance of the start.
+    let config = flow_map_fit(InitialLattice::Box { reach: 6.0, count: [37] }, 0.03);
     let asks = Asks {
         law: &law,
         config,

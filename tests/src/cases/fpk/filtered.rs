@@ -1,27 +1,23 @@
 //! Buildings behind the ground filter of Kanai and Tajimi, four and five states, against paths.
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
-use result_figures::{ErrorKind, Reference};
+use fpk_sph::InitialLattice;
 use scenes::fpk::density::{Demand, DensityRun, Exceedances, Requested, run_on};
 use scenes::fpk::monte_carlo::{SampledRun, Sampling, run_on as sample};
 use scenes::fpk::paths::Paths;
 use scenes::fpk::scene::FpkScene;
 use scenes::fpk::system::System;
-use sde_integrators::{Estimate, GaussianMixture};
+use sde_integrators::GaussianMixture;
 
-use super::{row, scene, worst};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use super::conditioned::NAMES;
+use super::{exceedance_at, flow_map_fit, row, scene, worst};
+use crate::cases::prelude::*;
 
 pub(crate) const DAMPER: Case = Case {
     id: "fpk-sph/filtered-damper",
     title: "Building with a viscous damper behind Kanai-Tajimi, 4 states, against Monte Carlo",
     source: "the same system sampled by ShARK",
     cost: Profile::Full,
-    schedule: Schedule::Together,
-    run: damper,
+    run: Together(damper),
 };
 
 pub(crate) const BOUC_WEN: Case = Case {
@@ -29,8 +25,7 @@ pub(crate) const BOUC_WEN: Case = Case {
     title: "Building that yields behind Kanai-Tajimi, 5 states, against Monte Carlo",
     source: "the same system sampled by ShARK; spectrum of Housner & Jennings 1964, window C of Jennings, Housner & Tsai 1968",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: bouc_wen,
+    run: Together(bouc_wen),
 };
 
 /// A run of the density and the paths that it is held against.
@@ -48,14 +43,9 @@ fn compare<'a, S: Paths<D, 1>, const D: usize>(
     lattice: InitialLattice<D>,
     sampling: &Sampling,
     asked: Requested<D>,
-) -> Result<Compared<'a, D>, CaseError> {
+) -> CaseResult<Compared<'a, D>> {
     let law: GaussianMixture<D> = scene.initial.build(built.filter_covariance().as_deref())?;
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice,
-        reference_period: built.reference_period(),
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let config = flow_map_fit(lattice, built.reference_period());
     let run = run_on(system.clone(), &law, &config, &asked, |_, _| ())?;
     context.progress("paths");
     let sampled = sample(system, &law, sampling, &asked)?;
@@ -69,7 +59,7 @@ fn compare<'a, S: Paths<D, 1>, const D: usize>(
         sampling.step,
         sampled.cpu_seconds
     );
-    Ok(Compared { run, sampled, asked, lines: Lines { context, id: "flow-map-fit", method } })
+    Ok(Compared { run, sampled, asked, lines: context.lines("flow-map-fit", method) })
 }
 
 impl<const D: usize> Compared<'_, D> {
@@ -79,45 +69,34 @@ impl<const D: usize> Compared<'_, D> {
         names: &[(&str, &str, &str)],
         times: &[f64],
         criterion: Criterion<'_>,
-    ) -> Result<Vec<Claim>, CaseError> {
+    ) -> CaseResult {
         let mut claims = Vec::new();
         for sampled in self.sampled.rows.iter().filter(|sampled| times.contains(&sampled.t)) {
             let (t, row) = (sampled.t, row(&self.run, sampled.t)?);
             for (&(name, quantity, unit), (value, paths)) in
                 names.iter().zip(row.moments.iter().zip(&sampled.moments))
             {
-                let name = format!("{name}/t{t}");
-                let what = (name.as_str(), quantity, unit);
-                let reference = uncertain(paths);
-                claims.push(self.lines.judge(
-                    what,
-                    ErrorKind::Relative,
-                    *value,
-                    reference,
-                    criterion,
-                ));
+                let subject = self.lines.of(format!("{name}/t{t}"), quantity).unit(unit);
+                claims.push(subject.relative(*value, estimated(paths)).judged(criterion));
             }
         }
         Ok(claims)
     }
 
     /// `P(|q| > T)` by an estimator, where the paths know it: the worst.
-    fn tail(&self, tail: &Tail, criterion: Criterion<'_>) -> Result<Claim, CaseError> {
+    fn tail(&self, tail: &Tail, criterion: Criterion<'_>) -> CaseResult<Claim> {
         let mut claims = Vec::new();
         for sampled in &self.sampled.rows {
             let (t, row) = (sampled.t, row(&self.run, sampled.t)?);
             for (&threshold, (found, paths)) in
                 self.asked.thresholds.iter().zip(row.exceedances.iter().zip(&sampled.exceedances))
             {
-                let reference = uncertain(paths);
+                let reference = estimated(paths);
                 if !tail.is_known(&reference) {
                     continue;
                 }
-                let name = format!("exceedance-{}/threshold-{threshold}/t{t}", tail.estimator);
-                let quantity = format!("P(|q| > {threshold})");
-                let what = (name.as_str(), quantity.as_str(), "");
-                let value = (tail.pick)(found);
-                claims.push(self.lines.judge(what, ErrorKind::Log10, value, reference, criterion));
+                let subject = exceedance_at(&self.lines, tail.estimator, threshold, t);
+                claims.push(subject.log10((tail.pick)(found), reference).judged(criterion));
             }
         }
         let name = format!("flow-map-fit/exceedance-{}/worst", tail.estimator);
@@ -143,18 +122,9 @@ impl Tail {
     }
 }
 
-fn uncertain(paths: &Estimate) -> Reference {
-    Reference::uncertain(paths.value, paths.standard_error().unwrap_or(f64::NAN))
-}
-
 const OTHER: &str = "the scene holds another system";
-const NAMES: [(&str, &str, &str); 3] = [
-    ("second-moment-q", "E[q^2]", "m^2"),
-    ("second-moment-v", "E[v^2]", "m^2/s^2"),
-    ("second-moment-z", "E[z^2]", "m^2"),
-];
 
-fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn damper(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../scenes/fpk/damper_kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/damper_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
@@ -192,7 +162,7 @@ fn sampling(paths: u64) -> Sampling {
     Sampling { paths, step: 0.01, seed: 7 }
 }
 
-fn bouc_wen(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn bouc_wen(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../scenes/fpk/bouc_wen_kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/bouc_wen_kanai_tajimi.json", text)?;
     let built = scene.system.build()?;

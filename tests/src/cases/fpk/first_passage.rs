@@ -1,12 +1,11 @@
 //! First passage: the absorbing boundary, the integral of the rate of crossing, and the bound that it gives.
 
 use fpk_sph::observables::{CellIntegral, FirstPassage, OutcrossingBound, Probability};
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
+use fpk_sph::{Config, Error, InitialLattice, Method, Simulation};
 use reference_problems::fpk::linear_moments::linear_moments;
 use reference_problems::fpk::oscillator::Oscillator;
 use reference_problems::fpk::problem::{Problem, bouc_wen};
 use reference_problems::fpk::reference::ReferenceTable;
-use result_figures::{ErrorKind, Reference};
 use scenes::clock::CpuClock;
 use sde_integrators::{
     Between, EnsembleConfig, GaussianMixture, Observable, Response, Sde, Side, StrangOscillator,
@@ -14,11 +13,8 @@ use sde_integrators::{
 };
 use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
-use super::worst;
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use super::{flow_map_fit, worst};
+use crate::cases::prelude::*;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, sections 4.1 and 4.2; references by Monte Carlo with parabolic peaks";
@@ -28,8 +24,7 @@ pub(crate) const DAMPER: Case = Case {
     title: "First passage of a building with a viscous damper, from the run of its density",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: damper,
+    run: Together(damper),
 };
 
 pub(crate) const CROSSINGS: Case = Case {
@@ -37,8 +32,7 @@ pub(crate) const CROSSINGS: Case = Case {
     title: "Expected number of crossings of a building with a viscous damper, against Monte Carlo",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: crossings,
+    run: Together(crossings),
 };
 
 pub(crate) const BOUC_WEN: Case = Case {
@@ -46,8 +40,7 @@ pub(crate) const BOUC_WEN: Case = Case {
     title: "First passage of a building that yields, from the run of its density",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: hysteresis,
+    run: Together(hysteresis),
 };
 
 pub(crate) const FRAGILITY: Case = Case {
@@ -55,8 +48,7 @@ pub(crate) const FRAGILITY: Case = Case {
     title: "Fragility over the intensity, and its sensitivity, from the same deterministic run",
     source: "paths of the same system by Strang's splitting",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: fragility,
+    run: Together(fragility),
 };
 
 /// When all that will pass has passed: the noise of both scenes is weak or none.
@@ -78,7 +70,7 @@ fn watch<S: Sde<D, M>, const D: usize, const M: usize>(
     config: &Config<D>,
     thresholds: &[f64],
     interval: Option<f64>,
-) -> Result<Watched, CaseError> {
+) -> CaseResult<Watched> {
     let demand = |x: &[f64; D]| x[0].abs();
     let start = CpuClock::start();
     let mut simulation = Simulation::new(system, law, config)?;
@@ -126,14 +118,13 @@ fn absorbed<'c>(
     (watched, thresholds): (&Watched, &[f64]),
     reference: &ReferenceTable,
     criterion: impl Fn(f64) -> Criterion<'c>,
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let mut claims = Vec::new();
     for (&threshold, &value) in thresholds.iter().zip(&watched.absorbed) {
-        let reference = reference.first_passage(threshold, END).ok_or("no reference")?;
         let (name, quantity) = passage_words("absorbing", threshold);
-        let what = (name.as_str(), quantity.as_str(), "");
-        let criterion = criterion(threshold);
-        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+        let reference = reference.first_passage(threshold, END).ok_or("no reference")?;
+        let compared = lines.of(name, quantity).relative(value, reference);
+        claims.push(compared.judged(criterion(threshold)));
     }
     Ok(claims)
 }
@@ -148,7 +139,7 @@ fn bounded(
     (watched, thresholds): (&Watched, &[f64]),
     reference: &ReferenceTable,
     most: &[f64],
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let reason = "an upper bound, at least the reference less two standard errors; it is high by the mean number of \
                   crossings in a clump, and was seen a tenth below the upper end";
     let mut claims = Vec::new();
@@ -156,9 +147,8 @@ fn bounded(
         let reference = reference.first_passage(threshold, END).ok_or("no reference")?;
         let from = -2.0 * reference.error.unwrap_or(0.0) / reference.value;
         let (name, quantity) = passage_words("bound", threshold);
-        let what = (name.as_str(), quantity.as_str(), "");
-        let criterion = Criterion::AsMeasured { from, to, reason };
-        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+        let compared = lines.of(name, quantity).relative(value, reference);
+        claims.push(compared.as_measured(from, to).because(reason));
     }
     Ok(claims)
 }
@@ -167,19 +157,19 @@ const DAMPER_THRESHOLDS: [f64; 3] = [0.5, 0.75, 1.0];
 /// The rate of crossing swings with the period of 2 s, twice in each: ten times in a swing.
 const INTERVAL: f64 = 0.1;
 
-fn flow_map(problem: &Problem, refinement: f64) -> Result<Config<2>, CaseError> {
+fn flow_map(problem: &Problem, refinement: f64) -> CaseResult<Config<2>> {
     let config = problem.density_config(refinement)?;
     Ok(Config { method: Method::FlowMapFit, ..config })
 }
 
-fn damper_system(problem: &Problem) -> Result<vibrating_systems::ViscousDamper, CaseError> {
+fn damper_system(problem: &Problem) -> CaseResult<vibrating_systems::ViscousDamper> {
     match &problem.system {
         Oscillator::Damper(system) => Ok(system.clone()),
         Oscillator::Linear(_) => Err("the scene holds another system".into()),
     }
 }
 
-fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn damper(context: &Context<'_>) -> CaseResult {
     let problem = Problem::viscous_damper()?;
     let system = damper_system(&problem)?;
     let mut claims = Vec::new();
@@ -190,7 +180,7 @@ fn damper(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let config = flow_map(&problem, refinement)?;
         let thresholds = &DAMPER_THRESHOLDS;
         let watched = watch(system.clone(), &problem.law, &config, thresholds, interval)?;
-        let lines = Lines { context, id, method: format!("flow-map fit, {}", watched.words) };
+        let lines = context.lines(id, format!("flow-map fit, {}", watched.words));
         let criterion = |_| Criterion::Within { tolerance, reason };
         let both = (&watched, thresholds.as_slice());
         let family = absorbed(&lines, both, &problem.reference, criterion)?;
@@ -210,7 +200,7 @@ const PATHS_PER_BATCH: u64 = 25_000;
 
 /// `int nu dt` by paths: `E[max(d|q|/dt, 0)]` where `|q|` is near the threshold, over the width, at the same times; its
 /// standard error from batches, since one path counts at many times.
-fn crossings(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn crossings(context: &Context<'_>) -> CaseResult {
     let problem = Problem::viscous_damper()?;
     let system = damper_system(&problem)?;
     let thresholds = [0.5, 0.75];
@@ -242,40 +232,32 @@ fn crossings(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     }
     let method =
         format!("flow-map fit, {}, against {} paths", watched.words, BATCHES * PATHS_PER_BATCH);
-    let lines = Lines { context, id: "flow-map-fit", method };
+    let lines = context.lines("flow-map-fit", method);
     let mut claims = Vec::new();
     for (k, threshold) in thresholds.into_iter().enumerate() {
         let n = totals.len() as f64;
         let mean = totals.iter().map(|total| total[k]).sum::<f64>() / n;
         let variance =
             totals.iter().map(|total| (total[k] - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let reference = Reference::uncertain(mean, (variance / n).sqrt());
         let reason = "0.6 % of the variance in the tail, a threshold between layers of particles, and two standard errors of the \
                       paths";
-        let criterion = Criterion::Within { tolerance: 0.05, reason };
         let (name, _) = passage_words("crossings", threshold);
-        let quantity = format!("E[crossings of |q| = {threshold}]");
-        let what = (name.as_str(), quantity.as_str(), "");
         let value = watched.crossings[k];
-        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+        let reference = Reference::uncertain(mean, (variance / n).sqrt());
+        let subject = lines.of(name, format!("E[crossings of |q| = {threshold}]"));
+        claims.push(subject.relative(value, reference).within(0.05).because(reason));
     }
     Ok(claims)
 }
 
-fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn hysteresis(context: &Context<'_>) -> CaseResult {
     let (system, law, reference) = bouc_wen()?;
-    let reference_period = system.period();
-    let config = |method, spacing| Config {
-        method,
-        lattice: InitialLattice::Ball { reach: 5.0, spacing },
-        reference_period,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let period = system.period();
+    let near = flow_map_fit(InitialLattice::Ball { reach: 5.0, spacing: 0.6 }, period);
     context.progress("flow-map fit");
-    let near = Some(0.2);
-    let watched = watch(system.clone(), &law, &config(Method::FlowMapFit, 0.6), &[1.0], near)?;
+    let watched = watch(system.clone(), &law, &near, &[1.0], Some(0.2))?;
     let method = format!("flow-map fit, ball of 5 sigma, spacing 0.6, {}", watched.words);
-    let lines = Lines { context, id: "flow-map-fit", method };
+    let lines = context.lines("flow-map-fit", method);
     let reason =
         "truncation of the cubic fit at the fold; it changes sign: 0.4 % low at spacing 0.4";
     let within = |_| Criterion::Within { tolerance: 0.005, reason };
@@ -291,25 +273,17 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         return Ok(claims);
     }
     context.progress("flow-map fit, reach for 1e-6");
-    let lattice = InitialLattice::ball_down_to(1e-6, 0.5)?;
-    let far = Config { lattice, ..config(Method::FlowMapFit, 0.5) };
+    let far = flow_map_fit(InitialLattice::ball_down_to(1e-6, 0.5)?, period);
     let watched = watch(system, &law, &far, &[1.5, 2.0], None)?;
     let method = format!("flow-map fit, ball for P down to 1e-6, spacing 0.5, {}", watched.words);
-    let lines = Lines { context, id: "flow-map-fit-1e-6", method };
+    let lines = context.lines("flow-map-fit-1e-6", method);
     // No claim on the probabilities: particles at the rim go astray, and the last bit decides which pass; at T = 1.5 runs
     // with reaches of 5.97 and 6 are 3.4 and 1.1 times the reference.
     let astray =
         watched.supports.iter().filter(|of| matches!(of, Some(Probability::Resolved(_)))).count();
-    claims.push(lines.bounded(
-        (
-            "absorbing/said-to-be-resolved",
-            "P(max |q| > 1.5) and P(max |q| > 2) said to be resolved",
-            "",
-        ),
-        astray as f64,
-        0.0,
-        "counted: much comes from particles whose cells are turned over",
-    ));
+    let quantity = "P(max |q| > 1.5) and P(max |q| > 2) said to be resolved";
+    let claim = lines.of("absorbing/said-to-be-resolved", quantity).bounded(astray as f64, 0.0);
+    claims.push(claim.because("counted: much comes from particles whose cells are turned over"));
     Ok(claims)
 }
 
@@ -327,15 +301,10 @@ const AT_REST: [f64; 2] = [0.05, 0.05];
 /// Passed by about a tenth and a hundredth of the paths.
 const FRAGILITY_THRESHOLDS: [f64; 2] = [0.4, 0.55];
 
-fn shaken_run(intensity: f64, count: usize) -> Result<(Vec<f64>, f64), CaseError> {
+fn shaken_run(intensity: f64, count: usize) -> CaseResult<(Vec<f64>, f64)> {
     let law = GaussianMixture::independent([0.0; 2], AT_REST)?;
     let system = shaken(intensity)?;
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::box_of(count),
-        reference_period: system.period(),
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let config = flow_map_fit(InitialLattice::box_of(count), system.period());
     let mut simulation = Simulation::new(system, &law, &config)?;
     let mut passage = FirstPassage::new(&simulation, |x| x[0].abs(), &FRAGILITY_THRESHOLDS)?;
     passage.advance_to(&mut simulation, 6.0)?;
@@ -344,7 +313,7 @@ fn shaken_run(intensity: f64, count: usize) -> Result<(Vec<f64>, f64), CaseError
 
 /// Fragility at one intensity against paths, and the derivative of `E[q^2]` by the intensity, which is exact:
 /// the part of the variance that the noise brings is proportional to it.
-fn fragility(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn fragility(context: &Context<'_>) -> CaseResult {
     let (intensity, step) = (0.15, 0.0075);
     let law = GaussianMixture::independent([0.0; 2], AT_REST)?;
     let (found, _) = shaken_run(intensity, 41)?;
@@ -353,32 +322,28 @@ fn fragility(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let response = Response { component: 0, side: Side::Magnitude, between };
     let maxima = maxima(&shaken(intensity)?, &StrangOscillator, &law, &config, &response)?;
     let method = "flow-map fit, 1,681 particles, S_0 = 0.15; against 100,000 paths".to_owned();
-    let lines = Lines { context, id: "linear-oscillator", method };
+    let lines = context.lines("linear-oscillator", method);
     let mut claims = Vec::new();
     for (threshold, value) in FRAGILITY_THRESHOLDS.into_iter().zip(found) {
         let paths = maxima[0].exceedance(threshold)?;
-        let error = paths.standard_error().unwrap_or(f64::NAN);
         let reason =
             "spacing of 0.3 deviations, 5 % on the damper, and two standard errors of the paths";
-        let criterion = Criterion::Within { tolerance: 0.08, reason };
         let (name, quantity) = passage_words("fragility", threshold);
-        let what = (name.as_str(), quantity.as_str(), "");
-        let reference = Reference::uncertain(paths.value, error);
-        claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+        let reference = estimated(&paths);
+        let compared = lines.of(name, quantity).relative(value, reference);
+        claims.push(compared.within(0.08).because(reason));
     }
     let second_moment = |intensity: f64| Ok::<_, CaseError>(shaken_run(intensity, 31)?.1);
     let derivative =
         (second_moment(intensity + step)? - second_moment(intensity - step)?) / (2.0 * step);
     // E[q^2](S_0) is linear in S_0: two other intensities give its slope without error of the difference.
-    let exact = |intensity: f64| -> Result<f64, CaseError> {
+    let exact = |intensity: f64| -> CaseResult<f64> {
         let laws = linear_moments(&shaken(intensity)?, &law, &[6.0], 1e-3)?;
         Ok(laws[0].covariance[0][0])
     };
     let slope = (exact(0.3)? - exact(0.1)?) / 0.2;
     let reason = "what a step of a fortieth of the period leaves, 1e-5 of E[q^2], over a difference of a tenth of it";
-    let criterion = Criterion::Within { tolerance: 1e-4, reason };
-    let what = ("sensitivity/second-moment-q", "d E[q^2] / d S_0", "s^3");
-    let reference = Reference::exact(slope);
-    claims.push(lines.judge(what, ErrorKind::Relative, derivative, reference, criterion));
+    let subject = lines.of("sensitivity/second-moment-q", "d E[q^2] / d S_0").unit("s^3");
+    claims.push(subject.relative(derivative, slope).within(1e-4).because(reason));
     Ok(claims)
 }

@@ -7,17 +7,14 @@ use fpk_sph::{
 };
 
 use super::conditioned::{CubicSpring, Derived};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/errors-of-four-states",
     title: "Cubic spring, quadratic damper and soil in four states: estimated over true error of second moments",
     source: "4e7 paths of Heun's method by an independent program",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Period of the structure (s).
@@ -30,14 +27,14 @@ const RATIO: f64 = std::f64::consts::SQRT_2;
 const KNOWN: f64 = 4.0;
 const MOMENTS: [(&str, [u32; 4]); 2] = [("E[q^2]", [2, 0, 0, 0]), ("E[v^2]", [0, 2, 0, 0])];
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     context.progress("three runs");
     Ok(Runs::new(&Derived::read()?)?.claims(context))
 }
 
 /// The flow-map fit with settling of a scene behind the soil, in units of the structure's period: its steps of 0.05 s resolve the
 /// soil too.
-fn method() -> Result<Method, CaseError> {
+fn method() -> CaseResult<Method> {
     let combination = Method::FlowMapFit.combination_in(4);
     let Estimator::FlowMapFit { degree, thinnest, settling } = combination.estimator else {
         return Err("the method does not settle".into());
@@ -58,7 +55,7 @@ struct Runs {
 }
 
 impl Runs {
-    fn new(derived: &Derived) -> Result<Self, CaseError> {
+    fn new(derived: &Derived) -> CaseResult<Self> {
         let (system, law) = CubicSpring::behind_soil()?;
         let method = method()?;
         let config = |spacing: f64| Config {
@@ -68,7 +65,7 @@ impl Runs {
             most_steps: DEFAULT_MOST_STEPS,
         };
         let slow = config(RATIO).with_slower_settling().ok_or("the method does not settle")?;
-        let run = |config: &Config<4>| -> Result<Vec<f64>, CaseError> {
+        let run = |config: &Config<4>| -> CaseResult<Vec<f64>> {
             let mut simulation = Simulation::new(system.clone(), &law, config)?;
             let mut values = Vec::new();
             for row in &derived.cubic_spring.rows {
@@ -106,45 +103,32 @@ impl Runs {
         }
         let method =
             format!("flow-map fit, 3121 particles; estimated over true error {}", words.join(", "));
-        let lines = Lines { context, id: "cubic-spring", method };
+        let lines = context.lines("cubic-spring", method);
         let small = |index: f64| index < 0.5;
         let good = |index: f64| (0.5..=2.0).contains(&index);
         let shared = "two coarse lattices share the error of settling";
         let seen =
             "the part of settling is seen on the coarser lattice; 0.9 from 0.5 to 2 were asked for";
         vec![
-            lines.measured(
-                ("moments", "largest error of a second moment, relative", ""),
-                most,
-                (0.04, 0.1),
-                shared,
-            ),
-            lines.measured(
-                ("two-lattices/too-small", "share of estimates below half of the true error", ""),
-                share(&by_two, &small),
-                (0.3, 0.7),
-                shared,
-            ),
-            lines.measured(
-                (
+            lines
+                .of("moments", "largest error of a second moment, relative")
+                .measured(most, (0.04, 0.1))
+                .because(shared),
+            lines
+                .of("two-lattices/too-small", "share of estimates below half of the true error")
+                .measured(share(&by_two, &small), (0.3, 0.7))
+                .because(shared),
+            lines
+                .of(
                     "slower-settling/too-small",
                     "the same with the part of settling, as scenes state it",
-                    "",
-                ),
-                share(&by_three, &small),
-                (0.0, 0.1),
-                seen,
-            ),
-            lines.measured(
-                (
-                    "slower-settling/good",
-                    "share of estimates from 0.5 to 2 times the true error",
-                    "",
-                ),
-                share(&by_three, &good),
-                (0.6, 1.0),
-                seen,
-            ),
+                )
+                .measured(share(&by_three, &small), (0.0, 0.1))
+                .because(seen),
+            lines
+                .of("slower-settling/good", "share of estimates from 0.5 to 2 times the true error")
+                .measured(share(&by_three, &good), (0.6, 1.0))
+                .because(seen),
         ]
     }
 }

@@ -1,26 +1,22 @@
 //! Guided paths: unbiased at 1e-3 to 1e-9, intervals that hold, first passage, refusals, threads.
 
-use random_vibration::{Estimate, GuidedConfig, GuidedEstimate, GuidedPaths, TailError, Tails};
+use random_vibration::{GuidedConfig, GuidedEstimate, GuidedPaths, TailError, Tails};
 use reference_problems::fpk::linear_moments::linear_moments;
 use reference_problems::fpk::methods::{OF_HYSTERESIS, OF_OSCILLATOR};
 use reference_problems::fpk::oscillator::Oscillator;
 use reference_problems::fpk::problem::{Problem, bouc_wen};
-use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::paths::{Paths, PathsError};
 use sde_integrators::{Between, GaussianMixture, Response, Side, normal_probability};
 use vibrating_systems::ViscousDamper;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/guided-paths",
     title: "Paths guided to the rare event by a linearised backward function",
     source: "exact linear oscillator; references of the damper and of Bouc-Wen; Macke & Bucher 2003",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// 20,000 paths, 1,000 pilot paths, a twentieth without a guide.
@@ -42,7 +38,7 @@ fn of_oscillator<'a, S: Paths<2, 1>>(
     system.guided(law, span, &OF_OSCILLATOR)
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = linear(context)?;
     context.progress("damper");
     let problem = Problem::viscous_damper()?;
@@ -53,12 +49,12 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     context.progress("refusals");
     claims.extend(refusals(context, &problem, system)?);
     let paths = of_oscillator(system, &problem.law, (6.0, 60))?;
-    let whole = || -> Result<Vec<u64>, CaseError> {
+    let whole = || -> CaseResult<Vec<u64>> {
         let at_time = paths.exceedance(1.0, Tails::Both, &CONFIG)?;
         let passage = paths.first_passage(&response(), 1.0, &CONFIG)?;
-        let all = [at_time, passage].map(|found| -> Result<[u64; 3], CaseError> {
-            let numbers = [found.estimate.value, error_of(&found)?, found.largest_share];
-            Ok(numbers.map(f64::to_bits))
+        let all = [at_time, passage].map(|found| -> CaseResult<[u64; 3]> {
+            let error = found.estimate.standard_error().ok_or("no standard error")?;
+            Ok([found.estimate.value, error, found.largest_share].map(f64::to_bits))
         });
         Ok(all.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     };
@@ -67,30 +63,21 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn error_of(found: &GuidedEstimate) -> Result<f64, CaseError> {
-    Ok(found.estimate.standard_error().ok_or("no standard error")?)
-}
-
 /// A probability against its reference.
 fn against(
     context: &Context<'_>,
     (id, quantity): (&str, &str),
     found: &GuidedEstimate,
-    reference: Reference,
+    reference: impl Into<Reference>,
     (bias_bound, reason): (f64, &str),
-) -> Result<Claim, CaseError> {
-    let Estimate { value, .. } = found.estimate;
-    Ok(Claim::judge(
-        context.subject(id, quantity, "", METHOD),
-        ErrorKind::Relative,
-        Measured::sampled(value, error_of(found)?),
-        reference,
-        Criterion::MonteCarlo { bias_bound, reason },
-    ))
+) -> CaseResult<Claim> {
+    let subject = context.subject(id, quantity, METHOD);
+    let compared = subject.relative(sampled(&found.estimate)?, reference);
+    Ok(compared.monte_carlo(bias_bound).because(reason))
 }
 
 /// The linear oscillator at 1e-3, 1e-6 and 1e-9, and the intervals of 200 runs of 1,000 paths.
-fn linear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn linear(context: &Context<'_>) -> CaseResult {
     let problem = Problem::linear_oscillator()?;
     let Oscillator::Linear(system) = &problem.system else { return Err("another system".into()) };
     let law = linear_moments(system, &problem.law, &[6.0], 2e-3)?[0];
@@ -101,41 +88,43 @@ fn linear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     for (z, name) in [(3.3, "1e-3"), (4.9, "1e-6"), (6.1, "1e-9")] {
         context.progress(&format!("linear oscillator, {name}"));
         let found = paths.exceedance(z * deviation, Tails::Both, &CONFIG)?;
-        let exact = Reference::exact(2.0 * normal_probability(-z));
+        let exact = 2.0 * normal_probability(-z);
         let bias = "600 Strang steps: (omega dt)^2/12 = 8e-5 of the variance, times z^2/2 = 19";
         let id = format!("linear-oscillator/exceedance/p-{name}/t6");
         claims.push(against(context, (&id, "P(|q| > T)"), &found, exact, (2e-3, bias))?);
     }
     // Fine enough that the bias is a tenth of the standard error of 1,000 paths.
     let paths = of(300)?;
-    let (z, n) = (4.9, 200);
+    let z = 4.9;
     context.progress("intervals");
-    let mut inside = 0;
-    for seed in 0..n {
-        let config = GuidedConfig { n_paths: 1_000, n_pilots: 200, seed, ..CONFIG };
-        let found = paths.exceedance(z * deviation, Tails::Both, &config)?;
-        let off = (found.estimate.value - 2.0 * normal_probability(-z)).abs();
-        inside += u32::from(off < 1.96 * error_of(&found)?);
-    }
-    claims.push(coverage(context, "linear-oscillator/coverage/p-1e-6/t6", (inside, n)));
+    let id = "linear-oscillator/coverage/p-1e-6/t6";
+    let exact = 2.0 * normal_probability(-z);
+    claims.push(coverage(context, id, &paths, (z * deviation, exact))?);
     Ok(claims)
 }
 
-/// The share of the intervals that contain the reference.
-fn coverage(context: &Context<'_>, id: &str, (inside, n): (u32, u64)) -> Claim {
+/// The share of the intervals of 200 runs that contain the probability of a threshold.
+fn coverage(
+    context: &Context<'_>,
+    id: &str,
+    paths: &GuidedPaths<'_>,
+    (threshold, probability): (f64, f64),
+) -> CaseResult<Claim> {
+    let (mut inside, n) = (0, 200);
+    for seed in 0..n {
+        let config = GuidedConfig { n_paths: 1_000, n_pilots: 200, seed, ..CONFIG };
+        let found = sampled(&paths.exceedance(threshold, Tails::Both, &config)?.estimate)?;
+        let half_width = 1.96 * found.standard_error.unwrap_or(f64::NAN);
+        inside += u32::from((found.value - probability).abs() < half_width);
+    }
     let quantity = "share of 95 % intervals that contain the reference";
     let method = "200 runs of 1,000 guided paths";
     let reason = "statistics: the share of 200 intervals scatters by 0.015";
     let share = f64::from(inside) / n as f64;
-    let subject = context.subject(id, quantity, "", method);
-    Claim::within(subject, ErrorKind::Absolute, (share, 0.95), 0.03, reason)
+    Ok(context.subject(id, quantity, method).absolute(share, 0.95).within(0.03).because(reason))
 }
 
-fn damper(
-    context: &Context<'_>,
-    problem: &Problem,
-    system: &ViscousDamper,
-) -> Result<Vec<Claim>, CaseError> {
+fn damper(context: &Context<'_>, problem: &Problem, system: &ViscousDamper) -> CaseResult {
     let t = 6.0;
     let paths = of_oscillator(system, &problem.law, (t, 300))?;
     let mut claims = Vec::new();
@@ -144,8 +133,8 @@ fn damper(
         let reference = problem.reference.exceedance(threshold, t).ok_or("no reference")?;
         let id = format!("viscous-damper/exceedance/threshold-{threshold}/t{t}");
         let bias = "300 Strang steps: (omega dt)^2/12 = 3e-4 of the variance, times z^2/2 = 17";
-        let what = (id.as_str(), format!("P(|q| > {threshold})"));
-        claims.push(against(context, (what.0, &what.1), &found, reference, (5e-3, bias))?);
+        let quantity = format!("P(|q| > {threshold})");
+        claims.push(against(context, (&id, &quantity), &found, reference, (5e-3, bias))?);
     }
     for threshold in [0.75, 1.0] {
         let found = paths.first_passage(&response(), threshold, &CONFIG)?;
@@ -153,14 +142,8 @@ fn damper(
         claims.push(passage(context, ("viscous-damper", threshold, t), &found, reference)?);
     }
     let reference = problem.reference.exceedance(0.75, t).ok_or("no reference")?.value;
-    let (mut inside, n) = (0, 200);
-    for seed in 0..n {
-        let config = GuidedConfig { n_paths: 1_000, n_pilots: 200, seed, ..CONFIG };
-        let found = paths.exceedance(0.75, Tails::Both, &config)?;
-        let off = (found.estimate.value - reference).abs();
-        inside += u32::from(off < 1.96 * error_of(&found)?);
-    }
-    claims.push(coverage(context, "viscous-damper/coverage/threshold-0.75/t6", (inside, n)));
+    let id = "viscous-damper/coverage/threshold-0.75/t6";
+    claims.push(coverage(context, id, &paths, (0.75, reference))?);
     Ok(claims)
 }
 
@@ -170,14 +153,14 @@ fn passage(
     (scene, threshold, t): (&str, f64, f64),
     found: &GuidedEstimate,
     reference: Reference,
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let id = format!("{scene}/first-passage/threshold-{threshold}/t{t}");
     let bias = "maxima by a cubic through the ends of a step of a hundredth of the period; the reference by parabolas";
     let quantity = format!("P(max |q| > {threshold})");
     against(context, (&id, &quantity), found, reference, (5e-3, bias))
 }
 
-fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn hysteresis(context: &Context<'_>) -> CaseResult {
     let (system, law, reference) = bouc_wen()?;
     let t = 3.6;
     let paths = system.guided(&law, (t, 180), &OF_HYSTERESIS)?;
@@ -199,11 +182,7 @@ fn hysteresis(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// Runs whose standard error would mean nothing.
-fn refusals(
-    context: &Context<'_>,
-    problem: &Problem,
-    system: &ViscousDamper,
-) -> Result<Vec<Claim>, CaseError> {
+fn refusals(context: &Context<'_>, problem: &Problem, system: &ViscousDamper) -> CaseResult {
     let paths = of_oscillator(system, &problem.law, (6.0, 150))?;
     let mut claims = Vec::new();
     for (name, threshold, n_paths, reason) in [
@@ -213,14 +192,11 @@ fn refusals(
         let config = GuidedConfig { n_paths, ..CONFIG };
         let found = paths.exceedance(threshold, Tails::Both, &config);
         let is_refused = matches!(found, Err(TailError::Untrusted { .. }));
-        let id = format!("viscous-damper/refused/{name}");
         let quantity = "1 if the run is refused";
         let method = format!("{n_paths} guided paths, T = {threshold}");
-        let subject = context.subject(&id, quantity, "", &method);
         let refused = f64::from(u8::from(is_refused));
-        claims.push(
-            Claim::within(subject, ErrorKind::Absolute, (refused, 1.0), 0.0, reason).structural(),
-        );
+        let subject = context.subject(format!("viscous-damper/refused/{name}"), quantity, &method);
+        claims.push(subject.absolute(refused, 1.0).within(0.0).because(reason).structural());
     }
     Ok(claims)
 }

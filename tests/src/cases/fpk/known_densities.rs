@@ -1,28 +1,23 @@
 //! Densities that are known: a double well, and processes with multiplicative noise.
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
+use fpk_sph::{Error, InitialLattice, Simulation};
 use reference_problems::fpk::reference::BistableReference;
 use reference_problems::order;
-use result_figures::{ErrorKind, Reference};
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::{
     Bistable, BistableParameters, CoxIngersollRoss, CoxIngersollRossParameters,
     GeometricBrownianMotion,
 };
 
-use super::worst;
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use super::{flow_map_fit, worst};
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/known-densities",
     title: "Double well, Cox-Ingersoll-Ross, geometric Brownian motion: L1 error of the density",
     source: "finite volumes with extrapolation; Cox, Ingersoll and Ross 1985, eq 18; lognormal law",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Standard deviation of the start where it is not given by a reference.
@@ -33,7 +28,7 @@ const START: f64 = 1.0;
 /// multiplicative noise, 0.02 for the double well. What the fit does not see must be taken out as fast as it arises.
 const DOUBLING_TIME: f64 = 0.03;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let (cir, gbm) = (cir()?, GeometricBrownianMotion::new(0.1, 0.3)?);
     let start = GaussianMixture::independent([START], [START_DEVIATION])?;
     let times = [0.25, 0.5, 1.0];
@@ -48,7 +43,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn cir() -> Result<CoxIngersollRoss, CaseError> {
+fn cir() -> CaseResult<CoxIngersollRoss> {
     let parameters = CoxIngersollRossParameters { rate: 1.0, mean: 1.0, volatility: 0.3 };
     Ok(CoxIngersollRoss::new(parameters)?)
 }
@@ -106,13 +101,8 @@ fn errors_on_a_line<S: Sde<1, M>, const M: usize>(
     asks: &Asks<'_>,
     count: usize,
     exact: impl Fn(f64, f64) -> f64,
-) -> Result<Errors, CaseError> {
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Box { reach: REACH, count: [count] },
-        reference_period: DOUBLING_TIME,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+) -> CaseResult<Errors> {
+    let config = flow_map_fit(InitialLattice::Box { reach: REACH, count: [count] }, DOUBLING_TIME);
     let mut simulation = Simulation::new(system, asks.law, &config)?;
     let mut at = Vec::new();
     let stopped = simulation
@@ -138,25 +128,19 @@ fn density_on_a_line<S: Sde<1, M> + Copy, const M: usize>(
     system: S,
     asks: &Asks<'_>,
     exact: impl Fn(f64, f64) -> f64,
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     context.progress(asks.name);
     let errors = errors_on_a_line(system, asks, COUNT, &exact)?;
     if let Some(error) = errors.stopped {
         return Err(error.into());
     }
     let method = format!("flow-map fit: {COUNT} particles, {} steps", errors.steps);
-    let lines = Lines { context, id: asks.name, method };
+    let lines = context.lines(asks.name, method);
     let mut family = Vec::new();
     for ((t, &error), &tolerance) in asks.times.iter().zip(&errors.at).zip(asks.tolerances) {
         let reason = "truncation of the cubic fit over 200 places in 10 sigma";
         let name = format!("density-l1/t{t}");
-        family.push(lines.judge(
-            (&name, "L1 error of psi", ""),
-            ErrorKind::Absolute,
-            error,
-            Reference::exact(0.0),
-            Criterion::Within { tolerance, reason },
-        ));
+        family.push(lines.of(&name, "L1 error of psi").bounded(error, tolerance).because(reason));
     }
     let mut claims = Vec::new();
     // One tolerance for all times, or one for each.
@@ -176,11 +160,10 @@ fn density_on_a_line<S: Sde<1, M> + Copy, const M: usize>(
     }
     let order = order::fit(&levels)?;
     let method = format!("flow-map fit: 36 to 100 particles, L1 at t = {ORDER_TIME}");
-    let subject =
-        context.subject(&format!("{}/order", asks.name), "order in the spacing", "", &method);
     let reason = "the gradient of a cubic has order 4 inside and less at the rim; what lies beyond 5 sigma, 6e-7, does not \
                   fall with the spacing";
-    claims.push(Claim::as_measured(subject, order, 2.5, 4.5, reason));
+    let subject = context.subject(format!("{}/order", asks.name), "order in the spacing", &method);
+    claims.push(subject.measured(order, (2.5, 4.5)).because(reason));
     Ok(claims)
 }
 
@@ -197,7 +180,7 @@ fn interpolated(x: &[f64], pdf: &[f64], at: f64) -> f64 {
     places.clone().map(|i| pdf[i] * basis(i)).sum()
 }
 
-fn bistable(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn bistable(context: &Context<'_>) -> CaseResult {
     let table = BistableReference::read()?;
     let well = Bistable::new(BistableParameters { growth: 1.0, cubic: 1.0, diffusion: 0.25 })?;
     let law = GaussianMixture::independent([0.5], [0.1])?;
@@ -210,10 +193,10 @@ fn bistable(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let mut claims = density_on_a_line(context, well, &asks, exact)?;
     let errors = errors_on_a_line(well, &Asks { times: &[2.0], ..asks }, 100, exact)?;
     let method = format!("flow-map fit: 100 particles, {} steps", errors.steps);
-    let lines = Lines { context, id: "bistable", method };
+    let lines = context.lines("bistable", method);
     let reason = "not reached: half of the probability has crossed the barrier, and the cells that it left behind are \
                   stretched over it, those at the rim squeezed below what the fit resolves";
     let error = errors.at.first().copied().unwrap_or(f64::NAN);
-    claims.push(lines.bounded(("density-l1/t2", "L1 error of psi", ""), error, 0.2, reason));
+    claims.push(lines.of("density-l1/t2", "L1 error of psi").bounded(error, 0.2).because(reason));
     Ok(claims)
 }

@@ -3,21 +3,17 @@
 use fpk_sph::{Config, Simulation};
 use reference_problems::fpk::oscillator::Oscillator;
 use reference_problems::fpk::problem::Problem;
-use result_figures::{ErrorKind, Measured, Reference};
 use scenes::fpk::density::{DensityRun, Row, estimate, run_on};
 
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/linear-oscillator-flow-map",
     title: "Linear oscillator in an earthquake, flow-map fit: exact answer",
     source: "Canor & Denoël 2013, eq 26 with eta = 0, window of eq 27; Lyapunov equation",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const TIMES: [f64; 10] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
@@ -34,12 +30,13 @@ struct Exactness {
     entropy: (f64, f64),
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let problem = Problem::linear_oscillator()?;
     let config = problem.density_config(1.0)?;
     let (run, exactness) = density_run(context, &problem, &config)?;
     let method = run.words("flow-map fit, box of 7 sigma");
-    let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
+    let lines = context.lines("flow-map-fit", method);
+    let judge = Judge { problem: &problem, run: &run, lines };
     let mut claims = moments(&judge)?;
     claims.extend(densities(&judge, &exactness)?);
     claims.extend(exceedances(&judge)?);
@@ -53,7 +50,7 @@ fn density_run(
     context: &Context<'_>,
     problem: &Problem,
     config: &Config<2>,
-) -> Result<(DensityRun, Vec<Exactness>), CaseError> {
+) -> CaseResult<(DensityRun, Vec<Exactness>)> {
     let Oscillator::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
@@ -74,7 +71,7 @@ fn look<S: sde_integrators::Sde<2, 1>>(
     problem: &Problem,
     simulation: &Simulation<S, 2, 1>,
     row: &Row,
-) -> Result<Exactness, CaseError> {
+) -> CaseResult<Exactness> {
     let moment =
         |powers| problem.reference.moment(powers, row.t).map(|r| r.value).ok_or("no exact moment");
     let (qq, qv, vv) = (moment([2, 0])?, moment([1, 1])?, moment([0, 2])?);
@@ -107,7 +104,7 @@ const UPPER_TAIL_AT_3: f64 = 1.349898031630095e-3;
 fn marginal_error(
     cells: &fpk_sph::observables::CellIntegral<2>,
     deviation: f64,
-) -> Result<f64, CaseError> {
+) -> CaseResult<f64> {
     let edges: Vec<f64> = (-20..=20).map(|k| f64::from(k) * 0.25 * deviation).collect();
     let density = cells.marginal(0, &edges)?;
     // The mean of a normal density over a bin, by Gauss-Legendre with three points: error 1e-9.
@@ -126,7 +123,7 @@ fn marginal_error(
         .sum())
 }
 
-fn moments(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {
+fn moments(judge: &Judge<'_>) -> CaseResult {
     let within = |tolerance| Criterion::Within { tolerance, reason: STEP };
     Ok(vec![
         judge.worst_moment([2, 0], &TIMES, within(3e-5))?,
@@ -142,81 +139,74 @@ fn over_times(
     exactness: &[Exactness],
     value: impl Fn(&Exactness) -> (f64, f64),
     criterion: Criterion<'_>,
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let family = exactness.iter().map(|found| {
-        let name = format!("{}/{name}/t{}", judge.id, found.t);
-        let subject = judge.context.subject(&name, quantity, "", &judge.method);
         let (value, expected) = value(found);
-        let (measured, reference) = (Measured::exact(value), Reference::exact(expected));
-        Claim::judge(subject, kind, measured, reference, criterion)
+        let subject = judge.lines.of(format!("{name}/t{}", found.t), quantity);
+        subject.compared(kind, value, expected).judged(criterion)
     });
     judge.worst(name, &TIMES, family.collect())
 }
 
-fn density_error(judge: &Judge<'_>, exactness: &[Exactness]) -> Result<Claim, CaseError> {
-    let what = ("density-l2", "relative L2 error of psi", ErrorKind::Absolute);
-    let reason = "the density follows the moments, whose error is that of Runge-Kutta 4";
-    let criterion = Criterion::Within { tolerance: 6e-5, reason };
-    over_times(judge, what, exactness, |found| (found.density_error, 0.0), criterion)
-}
-
-fn densities(judge: &Judge<'_>, exactness: &[Exactness]) -> Result<Vec<Claim>, CaseError> {
+fn densities(judge: &Judge<'_>, exactness: &[Exactness]) -> CaseResult {
     let within = |tolerance, reason| Criterion::Within { tolerance, reason };
-    let mut claims = vec![density_error(judge, exactness)?];
-    claims.push(over_times(
-        judge,
-        ("marginal-q", "L1 error of the marginal of q", ErrorKind::Absolute),
-        exactness,
-        |found| (found.marginal_error, 0.0),
-        within(2e-4, "parts of cells, 1/12 of a spacing wide, spread over bins of 0.25 sigma"),
-    )?);
-    claims.push(over_times(
-        judge,
-        ("limit-state", "P(q + v/3 > 3 sigma)", ErrorKind::Log10),
-        exactness,
-        |found| found.limit_state,
-        within(2e-3, "midpoint rule over parts of cells and a limit taken as linear in each"),
-    )?);
-    claims.push(over_times(
-        judge,
-        ("entropy", "entropy (nats)", ErrorKind::Absolute),
-        exactness,
-        |found| found.entropy,
-        within(2e-5, "half the relative error of the determinant of the covariance"),
-    )?);
+    let of = |name, quantity, kind, value: fn(&Exactness) -> (f64, f64), criterion| {
+        over_times(judge, (name, quantity, kind), exactness, value, criterion)
+    };
+    let mut claims = vec![
+        of(
+            "density-l2",
+            "relative L2 error of psi",
+            ErrorKind::Absolute,
+            |found| (found.density_error, 0.0),
+            within(6e-5, "the density follows the moments, whose error is that of Runge-Kutta 4"),
+        )?,
+        of(
+            "marginal-q",
+            "L1 error of the marginal of q",
+            ErrorKind::Absolute,
+            |found| (found.marginal_error, 0.0),
+            within(2e-4, "parts of cells, 1/12 of a spacing wide, spread over bins of 0.25 sigma"),
+        )?,
+        of(
+            "limit-state",
+            "P(q + v/3 > 3 sigma)",
+            ErrorKind::Log10,
+            |found| found.limit_state,
+            within(2e-3, "midpoint rule over parts of cells and a limit taken as linear in each"),
+        )?,
+        of(
+            "entropy",
+            "entropy (nats)",
+            ErrorKind::Absolute,
+            |found| found.entropy,
+            within(2e-5, "half the relative error of the determinant of the covariance"),
+        )?,
+    ];
     claims.extend(masses(judge)?);
     Ok(claims)
 }
 
 /// The sum of the masses and the mass over the cells at the last time.
-fn masses(judge: &Judge<'_>) -> Result<[Claim; 2], CaseError> {
+fn masses(judge: &Judge<'_>) -> CaseResult<[Claim; 2]> {
     let last = judge.row(10.0)?;
-    let claim = |name: &str, quantity, measured, tolerance, reason| {
-        let context = judge.context;
-        let subject = context.subject(&format!("{}/{name}", judge.id), quantity, "", &judge.method);
-        let criterion = Criterion::Within { tolerance, reason };
-        let (measured, reference) = (Measured::exact(measured), Reference::exact(1.0));
-        Claim::judge(subject, ErrorKind::Absolute, measured, reference, criterion)
-    };
     Ok([
-        claim(
-            "total-mass/t10",
-            "sum of the masses",
-            last.total_mass,
-            1e-11,
-            "a box of 7 sigma leaves out 5e-12; masses never change",
-        ),
-        claim(
-            "cell-mass/t10",
-            "mass over the cells",
-            last.cell_mass.unwrap_or(f64::NAN),
-            3e-9,
-            "midpoint rule over parts of cells, whose errors cancel in a sum over a smooth density",
-        ),
+        judge
+            .lines
+            .of("total-mass/t10", "sum of the masses")
+            .absolute(last.total_mass, 1.0)
+            .within(1e-11)
+            .because("a box of 7 sigma leaves out 5e-12; masses never change"),
+        judge
+            .lines
+            .of("cell-mass/t10", "mass over the cells")
+            .absolute(last.cell_mass.unwrap_or(f64::NAN), 1.0)
+            .within(3e-9)
+            .because("midpoint rule over parts of cells, whose errors cancel in a sum over a smooth density"),
     ])
 }
 
-fn exceedances(judge: &Judge<'_>) -> Result<Vec<Claim>, CaseError> {
+fn exceedances(judge: &Judge<'_>) -> CaseResult {
     let reason =
         "parts of cells and the step: 1e-5 of a variance changes log10 P by 8e-5 at 6 sigma";
     let within = Criterion::Within { tolerance: 2e-4, reason };
@@ -235,7 +225,7 @@ fn interpolated_at_start(
     context: &Context<'_>,
     problem: &Problem,
     config: &Config<2>,
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let Oscillator::Linear(system) = problem.system.clone() else {
         return Err("the scene holds another system".into());
     };
@@ -249,12 +239,9 @@ fn interpolated_at_start(
         errors.push((found / exact - 1.0).abs());
     }
     let worst = errors.iter().fold(0.0, |most: f64, &e| if e.is_nan() { e } else { most.max(e) });
-    let subject = context.subject(
-        "flow-map-fit/exceedance-log-interpolated/t0",
-        "worst relative error of P(|q| > k sigma), k = 1, 2, 3",
-        "",
-        "flow-map fit, the lattice of the initial distribution",
-    );
+    let quantity = "worst relative error of P(|q| > k sigma), k = 1, 2, 3";
+    let method = "flow-map fit, the lattice of the initial distribution";
     let reason = "second order in the spacing h: (k^2 + 1) h^2/12 at k deviations by the trapezoidal rule over columns, 0.075 at three with h = 0.3 sigma";
-    Ok(Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 0.09, reason))
+    let subject = context.subject("flow-map-fit/exceedance-log-interpolated/t0", quantity, method);
+    Ok(subject.bounded(worst, 0.09).because(reason))
 }

@@ -1,27 +1,22 @@
 //! Linear systems of one to four states, whose law is Gaussian at all times, by the flow-map fit.
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, InitialLattice, Method};
+use fpk_sph::InitialLattice;
 use reference_problems::fpk::linear_moments::{NormalLaw, linear_moments};
 use reference_problems::fpk::methods::KANAI_TAJIMI_LATTICE;
-use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Demand, DensityRun, Requested, run_on};
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::{OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters};
 
-use super::{row, scene, worst};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use super::{exceedance_at, flow_map_fit, row, scene, worst};
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/linear-systems",
     title: "Ornstein-Uhlenbeck in 1 to 4 dimensions, by the flow-map fit",
     source: "Risken 1996, section 6.5: exact",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: processes,
+    run: Together(processes),
 };
 
 pub(crate) const KANAI_TAJIMI: Case = Case {
@@ -29,11 +24,10 @@ pub(crate) const KANAI_TAJIMI: Case = Case {
     title: "Linear building on filtered ground motion, 4 states, by the flow-map fit",
     source: "Lyapunov equation; Kanai 1957, Tajimi 1960",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: kanai_tajimi,
+    run: Together(kanai_tajimi),
 };
 
-fn processes(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn processes(context: &Context<'_>) -> CaseResult {
     Ok(vec![
         ornstein_uhlenbeck::<1>(context, 0.5, 5e-5)?,
         ornstein_uhlenbeck::<2>(context, 0.5, 1.5e-5)?,
@@ -45,7 +39,7 @@ fn processes(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 /// States whose product is taken.
 const PAIRS: [(usize, usize); 5] = [(0, 0), (0, 1), (1, 1), (2, 2), (3, 3)];
 
-fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn kanai_tajimi(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../scenes/fpk/kanai_tajimi.json");
     let scene = scene("tests/scenes/fpk/kanai_tajimi.json", text)?;
     let built = scene.system.build()?;
@@ -55,12 +49,7 @@ fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let law: GaussianMixture<4> = scene.initial.build(built.filter_covariance().as_deref())?;
     let times = [1.0, 2.0, 4.0];
     let laws = linear_moments(system, &law, &times, 2e-3)?;
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: KANAI_TAJIMI_LATTICE,
-        reference_period: built.reference_period(),
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let config = flow_map_fit(KANAI_TAJIMI_LATTICE, built.reference_period());
     let asked = Requested {
         times: times.to_vec(),
         powers: PAIRS.map(powers_of).to_vec(),
@@ -70,7 +59,7 @@ fn kanai_tajimi(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     };
     let run = run_on(system.clone(), &law, &config, &asked, |_, _| ())?;
     let method = run.words("flow-map fit, ball of 5 sigma, spacing 1.2");
-    let lines = Lines { context, id: "flow-map-fit", method };
+    let lines = context.lines("flow-map-fit", method);
     let (mut second, mut tails) = (Vec::new(), Vec::new());
     for exact in &laws {
         second.extend(moments(&lines, &run, exact, built.states())?);
@@ -93,20 +82,18 @@ fn moments(
     run: &DensityRun,
     exact: &NormalLaw<4>,
     states: &[&str],
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let t = exact.t;
     let reason = "the probability beyond 5 sigma that the ball leaves out, 5e-5, times the square of 5 over 2, and \
                   Runge-Kutta 4";
     let claim = |((i, j), &value): ((usize, usize), &f64)| {
         let scale = (exact.covariance[i][i] * exact.covariance[j][j]).sqrt();
         let Reference { value: expected, error } = exact.second_moment(i, j);
+        let quantity = format!("E[{} {}] over its scale", states[i], states[j]);
         let reference =
             Reference { value: expected / scale, error: error.map(|error| error / scale) };
-        let name = format!("second-moment/{}-{}/t{t}", states[i], states[j]);
-        let quantity = format!("E[{} {}] over its scale", states[i], states[j]);
-        let what = (name.as_str(), quantity.as_str(), "");
-        let criterion = Criterion::Within { tolerance: 1e-3, reason };
-        lines.judge(what, ErrorKind::Absolute, value / scale, reference, criterion)
+        let subject = lines.of(format!("second-moment/{}-{}/t{t}", states[i], states[j]), quantity);
+        subject.absolute(value / scale, reference).within(1e-3).because(reason)
     };
     Ok(PAIRS.into_iter().zip(&row(run, t)?.moments).map(claim).collect())
 }
@@ -117,7 +104,7 @@ fn tail(
     run: &DensityRun,
     exact: &NormalLaw<4>,
     thresholds: &[f64],
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let t = exact.t;
     let reason = "a cell of 1.2 sigma in three parts along each axis, fourth order in 0.4, and the variance that the ball \
                   leaves out times the square of 4.4 over 2";
@@ -127,18 +114,15 @@ fn tail(
         if reference.value < 1e-5 {
             continue;
         }
-        let name = format!("exceedance-cell/threshold-{threshold}/t{t}");
-        let quantity = format!("P(|q| > {threshold})");
         let value = found.cell_integrated.unwrap_or(f64::NAN);
-        let what = (name.as_str(), quantity.as_str(), "");
-        let criterion = Criterion::Within { tolerance: 4e-3, reason };
-        claims.push(lines.judge(what, ErrorKind::Log10, value, reference, criterion));
+        let compared = exceedance_at(lines, "cell", threshold, t).log10(value, reference);
+        claims.push(compared.within(4e-3).because(reason));
     }
     Ok(claims)
 }
 
 /// Rates and noise without symmetry, so that no entry of the covariance is zero.
-fn process<const D: usize>() -> Result<OrnsteinUhlenbeck<D>, CaseError> {
+fn process<const D: usize>() -> CaseResult<OrnsteinUhlenbeck<D>> {
     const RATES: [[f64; 4]; 4] =
         [[1.0, 0.5, 0.0, 0.1], [-0.5, 1.5, 0.2, 0.0], [0.0, 0.3, 0.4, -0.2], [0.2, 0.0, 0.1, 0.8]];
     const NOISE: [[f64; 4]; 4] =
@@ -153,7 +137,7 @@ fn ornstein_uhlenbeck<const D: usize>(
     context: &Context<'_>,
     spacing: f64,
     tolerance: f64,
-) -> Result<Claim, CaseError>
+) -> CaseResult<Claim>
 where
     OrnsteinUhlenbeck<D>: Sde<D, D>,
 {
@@ -162,12 +146,7 @@ where
     let start_mean = std::array::from_fn(|i| [1.0, 0.0, 0.0, -0.5][i]);
     let deviation = std::array::from_fn(|i| [0.1, 0.2, 0.3, 0.2][i]);
     let law = GaussianMixture::independent(start_mean, deviation)?;
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Ball { reach: 6.0, spacing },
-        reference_period: 3.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let config = flow_map_fit(InitialLattice::Ball { reach: 6.0, spacing }, 3.0);
     let times = [0.5, 1.0, 2.0];
     let mut powers = Vec::new();
     for i in 0..D {
@@ -199,16 +178,10 @@ where
             }
         }
     }
-    let name = format!("ornstein-uhlenbeck-{D}");
     let method = run.words(&format!("flow-map fit, ball of 6 sigma, spacing {spacing}"));
-    let lines = Lines { context, id: &name, method };
+    let lines = context.lines(format!("ornstein-uhlenbeck-{D}"), method);
     let reason = "the trapezoidal sum of the start over a ball of 6 sigma, 7e-5 of a variance in four dimensions, and \
                   Runge-Kutta 4";
-    Ok(lines.judge(
-        ("covariance/worst", "worst error of C_ij over its scale, t = 0.5, 1, 2", ""),
-        ErrorKind::Absolute,
-        worst,
-        Reference::exact(0.0),
-        Criterion::Within { tolerance, reason },
-    ))
+    let subject = lines.of("covariance/worst", "worst error of C_ij over its scale, t = 0.5, 1, 2");
+    Ok(subject.bounded(worst, tolerance).because(reason))
 }

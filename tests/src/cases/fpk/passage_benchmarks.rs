@@ -1,7 +1,6 @@
 //! First-passage problems of the literature by guided paths.
 
 use random_vibration::{GuidedConfig, GuidedPaths, PairwiseRule, PassageQuestion};
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Between, Estimate, Response, Side};
 use serde::Deserialize;
 use vibrating_systems::{
@@ -9,17 +8,14 @@ use vibrating_systems::{
     ShearBuildingParameters, Storey, Window,
 };
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/passage-benchmarks",
     title: "First-passage problems of the literature by guided paths",
     source: "Au & Beck 2001; after Schuëller & Pradlwarter 2007; Xian & Wang 2024",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// `tests/reference/published/random-vibration/first_passage.json`.
@@ -87,7 +83,7 @@ struct PublishedProbability {
     value: f64,
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../reference/published/random-vibration/first_passage.json");
     let Published { linear_oscillator, filtered_frame, hysteretic_frame } =
         serde_json::from_str(text)?;
@@ -109,7 +105,7 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// The probabilities of first passage of the thresholds, all from one set of paths.
-    fn solve(&self, context: &Context<'_>, of: &[Probability]) -> Result<Vec<Estimate>, CaseError> {
+    fn solve(&self, context: &Context<'_>, of: &[Probability]) -> CaseResult<Vec<Estimate>> {
         context.progress(self.id);
         let &Self { ref building, span, hold, n_drifts, config, .. } = self;
         let unmodelled = if building.is_hysteretic() { 0.2 } else { 0.0 };
@@ -131,18 +127,14 @@ impl Problem<'_> {
         context: &Context<'_>,
         (name, found, expected): (&str, &Estimate, &Probability),
         (bias_bound, reason): (f64, &str),
-    ) -> Result<Claim, CaseError> {
-        let error = found.standard_error().ok_or("no standard error")?;
+    ) -> CaseResult<Claim> {
         let method = format!("{} guided paths, {} steps", self.config.n_paths, self.span.1);
         let id = format!("{}/{name}threshold-{}", self.id, expected.threshold);
         let quantity = format!("P(first passage of {})", expected.threshold);
-        Ok(Claim::judge(
-            context.subject(&id, &quantity, "", &method),
-            ErrorKind::Relative,
-            Measured::sampled(found.value, error),
-            Reference { value: expected.value, error: Some(expected.standard_error) },
-            Criterion::MonteCarlo { bias_bound, reason },
-        ))
+        let reference = Reference { value: expected.value, error: Some(expected.standard_error) };
+        let subject = context.subject(&id, quantity, &method);
+        let compared = subject.relative(sampled(found)?, reference);
+        Ok(compared.monte_carlo(bias_bound).because(reason))
     }
 
     /// A claim for each probability.
@@ -151,7 +143,7 @@ impl Problem<'_> {
         context: &Context<'_>,
         probabilities: &[Probability],
         bias: (f64, &str),
-    ) -> Result<Vec<Claim>, CaseError> {
+    ) -> CaseResult {
         let found = self.solve(context, probabilities)?;
         let both = found.iter().zip(probabilities);
         both.map(|(found, expected)| self.claim(context, ("", found, expected), bias)).collect()
@@ -159,7 +151,7 @@ impl Problem<'_> {
 }
 
 /// Au and Beck's linear oscillator: the discrete white noise of the source, step by step.
-fn oscillator(context: &Context<'_>, given: &LinearOscillator) -> Result<Vec<Claim>, CaseError> {
+fn oscillator(context: &Context<'_>, given: &LinearOscillator) -> CaseResult {
     let &LinearOscillator { omega, zeta, intensity, step, duration, ref probabilities } = given;
     let (stiffness, damping, hysteresis) = (omega * omega, 2.0 * zeta * omega, Hysteresis::None);
     let building = ShearBuilding::new(ShearBuildingParameters {
@@ -178,7 +170,7 @@ fn oscillator(context: &Context<'_>, given: &LinearOscillator) -> Result<Vec<Cla
 }
 
 /// The linear frame of ten storeys behind its filter.
-fn frame(context: &Context<'_>, given: &FilteredFrame) -> Result<Vec<Claim>, CaseError> {
+fn frame(context: &Context<'_>, given: &FilteredFrame) -> CaseResult {
     let &FilteredFrame { mass, damping_ratio, ground_frequency, ground_damping, .. } = given;
     let &FilteredFrame { low_cut_frequency, low_cut_damping, .. } = given;
     let &FilteredFrame { rise_end, decay_start, decay_rate, .. } = given;
@@ -208,7 +200,7 @@ fn frame(context: &Context<'_>, given: &FilteredFrame) -> Result<Vec<Claim>, Cas
 }
 
 /// The hysteretic frame of six storeys: white noise, where the source has a random series up to 25 pi rad/s.
-fn yielding(context: &Context<'_>, given: &HystereticFrame) -> Result<Vec<Claim>, CaseError> {
+fn yielding(context: &Context<'_>, given: &HystereticFrame) -> CaseResult {
     let &HystereticFrame { storeys, mass, stiffness, damping_ratio, .. } = given;
     let &HystereticFrame { post_yield_ratio, yield_drift, .. } = given;
     let (beta, exponent, damping) = (0.5, 1.0, 0.0);

@@ -1,21 +1,17 @@
 //! Problems of structural reliability in few normals, by subset simulation.
 
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Error, Estimate, Noise, Sde, SubsetConfig, subset_simulation};
 use serde::Deserialize;
 use vibrating_systems::{BoucWen, BoucWenParameters, Window};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/reliability-benchmarks",
     title: "Problems of structural reliability in few normals, by subset simulation",
     source: "Der Kiureghian & De Stefano 1991; Kurtz & Song 2013",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// `tests/reference/published/random-vibration/reliability.json`.
@@ -77,7 +73,7 @@ struct HystereticOscillator {
     probabilities: Vec<Probability>,
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../reference/published/random-vibration/reliability.json");
     let Published { primary_secondary, hysteretic_oscillator } = serde_json::from_str(text)?;
     let mut claims = secondary_force(context, &primary_secondary)?;
@@ -97,7 +93,7 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// `P(response > threshold)`, the mean of independent runs.
-    fn solve(&self, threshold: f64) -> Result<Estimate, CaseError> {
+    fn solve(&self, threshold: f64) -> CaseResult<Estimate> {
         let Self { response, n_normals, ref config, .. } = *self;
         Ok(subset_simulation(response, n_normals, threshold, &Noise::new(6), config)?)
     }
@@ -109,18 +105,13 @@ impl Problem<'_> {
         id: &str,
         found: &Estimate,
         (reference, reason): (Reference, &str),
-    ) -> Result<Claim, CaseError> {
-        let error = found.standard_error().ok_or("no standard error")?;
+    ) -> CaseResult<Claim> {
         let SubsetConfig { n_samples, n_runs, .. } = self.config;
         let (id, method) =
             (format!("{}/{id}", self.id), format!("{n_runs} runs of {n_samples} samples a level"));
-        Ok(Claim::judge(
-            context.subject(&id, "probability of failure", "", &method),
-            ErrorKind::Relative,
-            Measured::sampled(found.value, error),
-            reference,
-            Criterion::MonteCarlo { bias_bound: self.bias, reason },
-        ))
+        let value = sampled(found)?;
+        let subject = context.subject(&id, "probability of failure", &method);
+        Ok(subject.relative(value, reference).monte_carlo(self.bias).because(reason))
     }
 }
 
@@ -153,10 +144,7 @@ fn force(x: &Parts) -> f64 {
 }
 
 /// The force in the secondary spring exceeds its capacity.
-fn secondary_force(
-    context: &Context<'_>,
-    given: &PrimarySecondary,
-) -> Result<Vec<Claim>, CaseError> {
+fn secondary_force(context: &Context<'_>, given: &PrimarySecondary) -> CaseResult {
     let (means, variations) = (&given.means, &given.coefficients_of_variation);
     let mut claims = Vec::new();
     for expected in &given.probabilities {
@@ -199,10 +187,7 @@ fn secondary_force(
 }
 
 /// The displacement of an oscillator with hysteresis exceeds a threshold at a time, under a series of five harmonics.
-fn hysteresis(
-    context: &Context<'_>,
-    given: &HystereticOscillator,
-) -> Result<Vec<Claim>, CaseError> {
+fn hysteresis(context: &Context<'_>, given: &HystereticOscillator) -> CaseResult {
     let HystereticOscillator { exponent, yield_displacement, intensity, spacing, .. } = *given;
     // z' = v - (sign(v z) + 1)/2 v |z / z_y|^n, z_y being the displacement at yielding.
     let half = 0.5 * yield_displacement.powf(-exponent);

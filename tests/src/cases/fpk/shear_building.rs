@@ -3,23 +3,19 @@
 use random_vibration::{
     GuidedConfig, GuidedEstimate, GuidedPaths, PairwiseRule, PassageQuestion, Tails, free_passages,
 };
-use result_figures::{ErrorKind, Measured, Reference};
 use scenes::SceneFile;
 use scenes::building::scene::PassageScene;
 use sde_integrators::{Between, LaneSde, Response, Side, normal_probability};
 use vibrating_systems::{Hysteresis, ShearBuilding, ShearBuildingParameters};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/shear-building",
     title: "First passages of a building of ten yielding storeys, 32 states, by guided paths",
     source: "exact distribution of the linear building; crude Monte Carlo of the yielding one",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const CONFIG: GuidedConfig =
@@ -34,7 +30,7 @@ const SPAN: (f64, usize) = (10.0, 1_000);
 const HOLD: usize = 2;
 
 /// The building of the scene, with other hysteresis if one is given.
-fn building(hysteresis: Option<Hysteresis>) -> Result<ShearBuilding, CaseError> {
+fn building(hysteresis: Option<Hysteresis>) -> CaseResult<ShearBuilding> {
     let text = include_str!("../../../scenes/fpk/ten_storeys.json");
     let file = SceneFile::from_text("tests/scenes/fpk/ten_storeys.json", text.to_owned())?;
     let (_, building) = file.build::<PassageScene>()?;
@@ -53,14 +49,14 @@ fn response(building: &ShearBuilding) -> Response<'static> {
     Response { component: 0, side: Side::Magnitude, between }
 }
 
-fn guided(building: &ShearBuilding) -> Result<GuidedPaths<'_>, CaseError> {
+fn guided(building: &ShearBuilding) -> CaseResult<GuidedPaths<'_>> {
     let unmodelled = if building.is_hysteretic() { 0.25 } else { 0.0 };
     let step = building.shortest_period() / 10.0;
     let rule = PairwiseRule { step, hold: HOLD, unmodelled };
     Ok(GuidedPaths::from_rest(building, SPAN, &rule)?)
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = linear(context)?;
     claims.extend(yielding(context)?);
     if context.profile == Profile::Full {
@@ -106,7 +102,7 @@ fn exact_variance(building: &ShearBuilding) -> f64 {
 }
 
 /// The linear building at 1e-3, 1e-6 and 1e-9.
-fn linear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn linear(context: &Context<'_>) -> CaseResult {
     let building = building(Some(Hysteresis::None))?;
     let deviation = exact_variance(&building).sqrt();
     let paths = guided(&building)?;
@@ -116,14 +112,14 @@ fn linear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let found = paths.exceedance(z * deviation, Tails::Both, &CONFIG)?;
         let bias = "1,000 steps: (omega dt)^2/12 of the variance, 7e-4 in the first mode, times z^2/2 = 19";
         let id = format!("linear/exceedance/p-{name}/t10");
-        let exact = Reference::exact(2.0 * normal_probability(-z));
+        let exact = 2.0 * normal_probability(-z);
         claims.push(against(context, (&id, "P(|u_1| > T)"), &found, exact, (1.5e-2, bias))?);
     }
     Ok(claims)
 }
 
 /// The building of the scene: two thresholds and two times from one set of paths, against crude Monte Carlo, and rare passages.
-fn yielding(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn yielding(context: &Context<'_>) -> CaseResult {
     let building = building(None)?;
     let paths = guided(&building)?;
     let responses = &[response(&building)][..];
@@ -138,11 +134,9 @@ fn yielding(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     for ((row, free), t) in found.into_iter().zip(free).zip([5, 10]) {
         for ((found, free), threshold) in row.into_iter().zip(free).zip(FREQUENT) {
             let id = format!("yielding/first-passage/threshold-{threshold}/t{t}");
-            let error = free.standard_error();
-            let reference = Reference { value: free.value, error };
-            let bias = "none: the same steps and the same rule between them";
             let quantity = format!("P(max |u_1| > {threshold})");
-            claims.push(against(context, (&id, &quantity), &found?, reference, (0.0, bias))?);
+            let bias = (0.0, SAME_STEPS);
+            claims.push(against(context, (&id, &quantity), &found?, estimated(&free), bias)?);
         }
     }
     claims.extend(rare(context, &paths, &building)?);
@@ -154,33 +148,30 @@ const FREQUENT: [f64; 2] = [0.018, 0.02];
 const N_FREE: u64 = 20_000;
 /// The same with `--full`.
 const N_FREE_FULL: u64 = 200_000;
+const SAME_STEPS: &str = "none: the same steps and the same rule between them";
 /// The thresholds of the scene.
 const RARE: [f64; 2] = [0.024, 0.029];
 
 /// The standard errors of the passages of the scene, and their bits on one, two and eight threads.
-fn rare(
-    context: &Context<'_>,
-    paths: &GuidedPaths<'_>,
-    building: &ShearBuilding,
-) -> Result<Vec<Claim>, CaseError> {
+fn rare(context: &Context<'_>, paths: &GuidedPaths<'_>, building: &ShearBuilding) -> CaseResult {
     let responses = &[response(building)][..];
     let question = PassageQuestion { responses, thresholds: &RARE, n_steps: &[SPAN.1] };
     let mut claims = Vec::new();
-    let of = |config: &GuidedConfig| -> Result<Vec<GuidedEstimate>, CaseError> {
+    let of = |config: &GuidedConfig| -> CaseResult<Vec<GuidedEstimate>> {
         let row = paths.first_passages(&question, config)?.into_iter().flatten();
         Ok(row.collect::<Result<_, _>>()?)
     };
     for (found, threshold) in of(&RARE_CONFIG)?.iter().zip(RARE) {
-        let part = error_of(found)? / found.estimate.value;
+        let error = found.estimate.standard_error().unwrap_or(f64::NAN);
+        let part = error / found.estimate.value;
         let id = format!("yielding/standard-error/threshold-{threshold}/t10");
         let quantity = format!("standard error over P(max |u_1| > {threshold})");
-        let reason = "statistics: the deviation of a path is a few times its mean";
-        let subject = context.subject(&id, &quantity, "", RARE_METHOD);
-        claims.push(Claim::within(subject, ErrorKind::Absolute, (part, 0.0), 0.08, reason));
+        let claim = context.subject(&id, &quantity, RARE_METHOD).bounded(part, 0.08);
+        claims.push(claim.because("statistics: the deviation of a path is a few times its mean"));
     }
     let few = GuidedConfig { n_paths: 2_000, n_pilots: 200, ..CONFIG };
     let question = PassageQuestion { thresholds: &FREQUENT, ..question };
-    let bits = || -> Result<Vec<u64>, CaseError> {
+    let bits = || -> CaseResult<Vec<u64>> {
         let row = paths.first_passages(&question, &few)?.into_iter().flatten();
         let found = row.collect::<Result<Vec<_>, _>>()?;
         Ok(found.iter().map(|found| found.estimate.value.to_bits()).collect())
@@ -192,7 +183,7 @@ fn rare(
 }
 
 /// Bilinear storeys against crude Monte Carlo.
-fn bilinear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn bilinear(context: &Context<'_>) -> CaseResult {
     let hysteresis = Hysteresis::Bilinear { post_yield_ratio: 0.3, yield_drift: 0.005 };
     let building = building(Some(hysteresis))?;
     let paths = guided(&building)?;
@@ -202,15 +193,9 @@ fn bilinear(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     context.progress("bilinear storeys");
     let free = free_passages(&building, SPAN, &question, (N_FREE_FULL, 7))?[0][0];
     let found = paths.first_passages(&question, &CONFIG)?.remove(0).remove(0)?;
-    let reference = Reference { value: free.value, error: free.standard_error() };
-    let bias = "none: the same steps and the same rule between them";
     let id = format!("bilinear/first-passage/threshold-{}/t10", FREQUENT[0]);
     let quantity = format!("P(max |u_1| > {})", FREQUENT[0]);
-    Ok(vec![against(context, (&id, &quantity), &found, reference, (0.0, bias))?])
-}
-
-fn error_of(found: &GuidedEstimate) -> Result<f64, CaseError> {
-    Ok(found.estimate.standard_error().ok_or("no standard error")?)
+    Ok(vec![against(context, (&id, &quantity), &found, estimated(&free), (0.0, SAME_STEPS))?])
 }
 
 /// A probability against its reference.
@@ -218,14 +203,10 @@ fn against(
     context: &Context<'_>,
     (id, quantity): (&str, &str),
     found: &GuidedEstimate,
-    reference: Reference,
+    reference: impl Into<Reference>,
     (bias_bound, reason): (f64, &str),
-) -> Result<Claim, CaseError> {
-    Ok(Claim::judge(
-        context.subject(id, quantity, "", METHOD),
-        ErrorKind::Relative,
-        Measured::sampled(found.estimate.value, error_of(found)?),
-        reference,
-        Criterion::MonteCarlo { bias_bound, reason },
-    ))
+) -> CaseResult<Claim> {
+    let subject = context.subject(id, quantity, METHOD);
+    let compared = subject.relative(sampled(&found.estimate)?, reference);
+    Ok(compared.monte_carlo(bias_bound).because(reason))
 }

@@ -3,21 +3,17 @@
 use fpk_sph::{Combination, Config, Estimator, InitialLattice, Method, Metric, Scheme, StepRule};
 use reference_problems::fpk::problem::Problem;
 use reference_problems::order;
-use result_figures::{ErrorKind, Reference};
 use scenes::fpk::density::{Demand, Requested};
 
 use super::{POWERS, index_of};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/spatial-order",
     title: "Order of the moment error in the particle spacing",
     source: "Canor & Denoël 2013, both oscillators of section 4.1",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Particles along each axis; the step is a hundredth of the period, so that its error is below 1e-6.
@@ -26,7 +22,7 @@ const COUNTS: [usize; 5] = [21, 27, 35, 45, 61];
 const PAPERS_REACH: f64 = 4.0;
 const TIME: f64 = 2.0;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let damper = Problem::viscous_damper()?;
     let linear = Problem::linear_oscillator()?;
     let reason = "kernel smoothing alone would give order 2; measured 1.0 and 1.2. h by eq 20 and the average of eq 23 \
@@ -38,7 +34,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     ])
 }
 
-fn errors(context: &Context<'_>, problem: &Problem) -> Result<Vec<(f64, f64)>, CaseError> {
+fn errors(context: &Context<'_>, problem: &Problem) -> CaseResult<Vec<(f64, f64)>> {
     let reference = problem.reference.moment([2, 0], TIME).ok_or("no reference")?.value;
     let asked = Requested {
         times: vec![TIME],
@@ -82,21 +78,21 @@ fn order_claim(
     problem: &Problem,
     scene: &str,
     criterion: Criterion<'_>,
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let levels: Vec<(f64, f64)> = errors(context, problem)?
         .into_iter()
         .map(|(spacing, error)| (spacing, error.abs()))
         .collect();
-    let order = order::fit(&levels)?;
-    let subject = context.subject(
-        &format!("{scene}/summation-density/second-moment-q"),
-        "order of |error| of E[q^2] at t = 2",
-        "",
-        &format!(
-            "summation-density, whitened, {} to {} particles",
-            COUNTS[0].pow(2),
-            COUNTS[4].pow(2)
-        ),
-    );
-    Ok(Claim::judge(subject, ErrorKind::Order, order, Reference::exact(2.0), criterion))
+    Ok(context
+        .subject(
+            format!("{scene}/summation-density/second-moment-q"),
+            "order of |error| of E[q^2] at t = 2",
+            format!(
+                "summation-density, whitened, {} to {} particles",
+                COUNTS[0].pow(2),
+                COUNTS[4].pow(2)
+            ),
+        )
+        .order(order::fit(&levels)?, 2.0)
+        .judged(criterion))
 }

@@ -1,24 +1,20 @@
 //! The error that a run of a scene states against the error that it makes: second moments, and probabilities integrated over cells.
 
 use reference_problems::fpk::reference::ReferenceTable;
-use result_figures::Reference;
 use scenes::fpk::scene::FpkScene;
 use scenes::{Options, SceneFile};
 use serde_json::{Value, json};
 
 use super::conditioned::Derived;
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
+use crate::cases::prelude::*;
 use crate::cases::scene_result::result_of;
-use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/stated-errors",
     title: "Stated over true error of second moments and of exceedance probabilities in the results of scenes",
     source: "grid, 4e7 to 6e7 paths and importance sampling; 4e6 paths behind the soil",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// A true error below this many errors of its reference is not known.
@@ -28,7 +24,7 @@ const DAMPER: &str = include_str!("../../../scenes/fpk/viscous_damper.json");
 const BOUC_WEN: &str = include_str!("../../../scenes/fpk/bouc_wen.json");
 const BEHIND_SOIL: &str = include_str!("../../../scenes/fpk/bouc_wen_kanai_tajimi.json");
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let (damper, bouc_wen) = (ReferenceTable::viscous_damper()?, ReferenceTable::bouc_wen()?);
     let behind_soil = Derived::read()?.bouc_wen;
     let damper = |of: Quantity, t: f64| of_table(&damper, of, t);
@@ -126,7 +122,7 @@ fn of_table(table: &ReferenceTable, of: Quantity, t: f64) -> Option<Reference> {
 }
 
 /// The result of a scene with other keys, without pictures.
-fn changed(text: &str, changes: Value) -> Result<Value, CaseError> {
+fn changed(text: &str, changes: Value) -> CaseResult<Value> {
     let file = SceneFile::from_text("scene.json", text.to_owned())?;
     let mut keys = scenes::ladder::keys(&file.parse::<FpkScene>()?)?;
     keys.retain(|key, _| key != "planes" && key != "cloud");
@@ -148,7 +144,7 @@ struct Found {
 }
 
 impl Found {
-    fn take(&mut self, name: &str, result: &Value, known: Lookup<'_>) -> Result<(), CaseError> {
+    fn take(&mut self, name: &str, result: &Value, known: Lookup<'_>) -> CaseResult<()> {
         let (mut moments, mut probabilities) = (Vec::new(), Vec::new());
         for series in result["quantities"].as_array().ok_or("no quantities")? {
             let Some(of) = series["id"].as_str().and_then(Quantity::of) else { continue };
@@ -170,13 +166,12 @@ impl Found {
 
     fn claims(&self, context: &Context<'_>) -> Vec<Claim> {
         let words = self.words.join("; ");
-        let method = format!("below half, moments and probabilities: {words}");
-        let lines = Lines { context, id: "", method };
+        let lines = context.lines("", format!("below half, moments and probabilities: {words}"));
         let hides = "an error that crosses zero hides from a difference of two lattices; a third one shows most of them";
         let asked = "0.9 were asked for: a true error that crosses zero is overestimated";
         let share = |name: &str, words: &str, indices: &[f64], is: fn(f64) -> bool, range, why| {
             let part = indices.iter().filter(|it| is(**it)).count() as f64 / indices.len() as f64;
-            lines.measured((name, words, ""), part, range, why)
+            lines.of(name, words).measured(part, range).because(why)
         };
         let small = "share of stated errors below half of the true one";
         let good = "share of stated errors from 0.5 to 2 times the true one";

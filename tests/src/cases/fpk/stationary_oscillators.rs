@@ -4,25 +4,21 @@ use fpk_sph::{
     Combination, Config, DEFAULT_MOST_STEPS, InitialLattice, Method, Remapping, Simulation,
     StepRule,
 };
-use result_figures::{ErrorKind, Reference};
+use reference_problems::fpk::problem;
 use scenes::fpk::density::{Demand, Requested, run_on};
 use scenes::fpk::system::System;
 use sde_integrators::{GaussianMixture, Sde};
 use vibrating_systems::StationaryOscillator;
 
 use super::{row, scene, worst};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const DUFFING: Case = Case {
     id: "fpk-sph/duffing-remapped",
     title: "Duffing's oscillator from a Gaussian to its exact stationary law, with remeshing",
     source: "Caughey 1971: exact stationary density",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: duffing,
+    run: Together(duffing),
 };
 
 pub(crate) const VAN_DER_POL: Case = Case {
@@ -30,8 +26,7 @@ pub(crate) const VAN_DER_POL: Case = Case {
     title: "Oscillator of van der Pol and Rayleigh from a Gaussian to its ring, with remeshing",
     source: "Caughey & Payne 1967: exact stationary density",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: van_der_pol,
+    run: Together(van_der_pol),
 };
 
 /// The flow-map fit with remeshing.
@@ -48,13 +43,8 @@ fn config(method: Method, reach: f64, spacing: f64, reference_period: f64) -> Co
     Config { method, lattice, reference_period, most_steps: DEFAULT_MOST_STEPS }
 }
 
-fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
-    let text = include_str!("../../../scenes/fpk/duffing.json");
-    let scene = scene("tests/scenes/fpk/duffing.json", text)?;
-    let System::Duffing(system) = scene.system.build()? else {
-        return Err("the scene holds another system".into());
-    };
-    let law = scene.initial.build(None)?;
+fn duffing(context: &Context<'_>) -> CaseResult {
+    let (system, law) = problem::duffing()?;
     let stationary = system.stationary()?;
     let period = system.period();
     let config = config(remapped(Remapping::MEASURED, 40.0), 6.0, 0.3, period);
@@ -62,7 +52,7 @@ fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let tolerances = [1.5e-4, 8e-4, 2e-3];
     let lines = Stationary { context, law: &law, config: &config, end: &stationary, tolerances };
     let mut claims = lines.claims(system.clone(), 100.0, &[1.0, 2.0, 3.0])?;
-    let whole = || -> Result<Vec<u64>, CaseError> {
+    let whole = || -> CaseResult<Vec<u64>> {
         let mut simulation = Simulation::new(system.clone(), &law, &config)?;
         simulation.advance_to(5.0)?;
         if simulation.n_remaps() == 0 {
@@ -76,7 +66,7 @@ fn duffing(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn van_der_pol(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn van_der_pol(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../scenes/fpk/van_der_pol.json");
     let scene = scene("tests/scenes/fpk/van_der_pol.json", text)?;
     let System::VanDerPol(system) = scene.system.build()? else {
@@ -102,12 +92,7 @@ struct Stationary<'a> {
 }
 
 impl Stationary<'_> {
-    fn claims<S: Sde<2, 1>>(
-        &self,
-        system: S,
-        time: f64,
-        thresholds: &[f64],
-    ) -> Result<Vec<Claim>, CaseError> {
+    fn claims<S: Sde<2, 1>>(&self, system: S, time: f64, thresholds: &[f64]) -> CaseResult {
         let asked = Requested {
             times: vec![time],
             powers: vec![[2, 0], [0, 2], [4, 0]],
@@ -122,7 +107,7 @@ impl Stationary<'_> {
         let row = row(&run, time)?;
         let words = run.words("flow-map fit, ball, remeshing");
         let method = format!("{words}, {} remeshings, {} particles at the end", laid.0, laid.1);
-        let lines = Lines { context: self.context, id: "flow-map-fit", method };
+        let lines = self.context.lines("flow-map-fit", method);
         let mut claims = Vec::new();
         let reason = "truncation of the fits; of the start exp(-10) of the energy is left";
         for ((powers, name, quantity, unit, tolerance), &value) in [
@@ -133,16 +118,13 @@ impl Stationary<'_> {
         .into_iter()
         .zip(&row.moments)
         {
-            let reference = Reference::exact(self.end.moment(powers));
-            let criterion = Criterion::Within { tolerance, reason };
-            let what = (name, quantity, unit);
-            claims.push(lines.judge(what, ErrorKind::Relative, value, reference, criterion));
+            let subject = lines.of(name, quantity).unit(unit);
+            let compared = subject.relative(value, self.end.moment(powers));
+            claims.push(compared.within(tolerance).because(reason));
         }
         let mut near = Vec::new();
         for (&threshold, exceedance) in thresholds.iter().zip(&row.exceedances) {
-            let reference = Reference::exact(self.end.exceedance(threshold)?);
             let value = exceedance.cell_integrated.ok_or("cells were asked for")?;
-            let name = format!("exceedance-cell/threshold-{threshold}");
             let quantity = format!("P(|q| > {threshold})");
             let far = threshold > 2.5;
             let (tolerance, reason) = if far {
@@ -150,9 +132,11 @@ impl Stationary<'_> {
             } else {
                 (self.tolerances[2], "truncation of the fits")
             };
-            let criterion = Criterion::Within { tolerance, reason };
-            let what = (name.as_str(), quantity.as_str(), "");
-            let claim = lines.judge(what, ErrorKind::Log10, value, reference, criterion);
+            let claim = lines
+                .of(format!("exceedance-cell/threshold-{threshold}"), quantity)
+                .log10(value, self.end.exceedance(threshold)?)
+                .within(tolerance)
+                .because(reason);
             if far { &mut claims } else { &mut near }.push(claim);
         }
         let name = format!("{}/exceedance-cell/worst", lines.id);

@@ -2,13 +2,10 @@
 
 use fpk_sph::{Config, Error, Method, Remapping};
 use reference_problems::fpk::problem::Problem;
-use result_figures::Measured;
 
 use super::stationary_oscillators::remapped as fresh_lattices;
 use super::{ExceedanceEstimator, Judge, asked};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 const SOURCE: &str =
     "Canor & Denoël 2013, section 4.1; references by grid, Monte Carlo and importance sampling";
@@ -18,8 +15,7 @@ pub(crate) const CASE: Case = Case {
     title: "Building with a viscous damper in an earthquake, flow-map fit, 2,401 particles",
     source: SOURCE,
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 pub(crate) const REMAPPED: Case = Case {
@@ -27,8 +23,7 @@ pub(crate) const REMAPPED: Case = Case {
     title: "Building with a viscous damper in an earthquake, with and without remeshing",
     source: SOURCE,
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: remapped,
+    run: Together(remapped),
 };
 
 /// While the noise is strong.
@@ -39,13 +34,14 @@ const AFTER: [f64; 3] = [7.0, 8.0, 10.0];
 /// Smallest probability that is claimed.
 const FLOW_MAP_FLOOR: f64 = 1e-7;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let problem = Problem::viscous_damper()?;
     let config = problem.density_config(1.0)?;
     let times = [SHAKING.as_slice(), AFTER.as_slice()].concat();
     let run = problem.density(&config, &asked(&times, &problem, true))?;
     let method = run.words("flow-map fit, box of 7 sigma");
-    let judge = Judge { context, problem: &problem, run: &run, id: "flow-map-fit", method };
+    let lines = context.lines("flow-map-fit", method);
+    let judge = Judge { problem: &problem, run: &run, lines };
     let reason = "truncation of the cubic fit, also after the noise has died away";
     let within = |tolerance| Criterion::Within { tolerance, reason };
     let tail = "truncation of the fit and a limit taken as linear in a part of a cell, also on the slow manifold";
@@ -59,7 +55,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// Effect of remeshing: none on the moments and on the tail while there is noise, a worse far tail after it.
-fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn remapped(context: &Context<'_>) -> CaseResult {
     let problem = Problem::viscous_damper()?;
     let config = problem.density_config(1.0)?;
     let remapping = Remapping { most_uneven: 1.0, ..Remapping::MEASURED };
@@ -76,7 +72,7 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let config = Config { method, ..config };
         let run = problem.density(&config, &asked(&times, &problem, true))?;
         let words = run.words(&format!("flow-map fit, box of 7 sigma, {id} remeshing"));
-        let judge = Judge { context, problem: &problem, run: &run, id, method: words };
+        let judge = Judge { problem: &problem, run: &run, lines: context.lines(id, words) };
         let reason = "truncation of the cubic fit";
         for powers in [[2, 0], [0, 2]] {
             let criterion = Criterion::Within { tolerance: 1.5e-3, reason };
@@ -90,11 +86,11 @@ fn remapped(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                 Some(Error::RemappingChangesMass { time, .. }) => *time,
                 _ => f64::NAN,
             };
-            let subject =
-                context.subject("with/ended", "time at which no lattice holds the cloud", "s", "");
+            let quantity = "time at which no lattice holds the cloud";
             let reason = "on the slow manifold the density is thinner than a spacing of an even lattice: a fresh one would \
                           change the mass by 3 %, and is refused";
-            claims.push(Claim::as_measured(subject, Measured::exact(reached), 8.0, 10.0, reason));
+            let subject = context.subject("with/ended", quantity, "").unit("s");
+            claims.push(subject.measured(reached, (8.0, 10.0)).because(reason));
         }
     }
     Ok(claims)

@@ -2,19 +2,15 @@
 
 use peridyn_sde::{Loading, Notch, Program};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
+use crate::cases::prelude::*;
 use crate::peridyn::plate::{Cracked, Plate};
-use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/branching",
     title: "A notched plate of glass under a sudden traction: where and how the crack branches",
     source: "after Ha and Bobaru 2010, constants of prototype_dynamic.json, which are mixed ones; its results are compared with and are no truth",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// s.
@@ -38,11 +34,7 @@ fn notch(spacing: f64) -> Notch {
 }
 
 /// A plate of 0.1 by 0.04 m, notched half way, its outermost rows pulled by body forces that make up the traction.
-fn pulled(
-    spacing: f64,
-    traction: f64,
-    energy_release_rate: f64,
-) -> Result<(Plate, Cracked), CaseError> {
+fn pulled(spacing: f64, traction: f64, energy_release_rate: f64) -> CaseResult<(Plate, Cracked)> {
     let plate = Plate {
         young_modulus: 72e9,
         density: 2440.0,
@@ -63,7 +55,7 @@ fn pulled(
     Ok((plate, cracked))
 }
 
-fn seen(plate: &Plate, cracked: &Cracked) -> Result<Seen, CaseError> {
+fn seen(plate: &Plate, cracked: &Cracked) -> CaseResult<Seen> {
     let notch = notch(plate.spacing);
     let path = cracked.path(&notch, END)?.ok_or("no crack grew from the notch")?;
     Ok(Seen {
@@ -88,7 +80,7 @@ fn by_another_code(name: &str, dx: f64) -> f64 {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let millimetres: &[f64] = if context.profile == Profile::Quick { &[0.5] } else { &[0.5, 0.25] };
     let mut worst = Branching::default();
     for (name, traction, energy_release_rate) in LOADS {
@@ -130,51 +122,29 @@ impl Branching {
         let method = format!(
             "12 and 2 MPa, {millimetres:?} mm, horizon 4.015 dx, plane stress, velocity Verlet, steps of 0.8 of the critical one"
         );
-        let claim = |worst: &Worst, of: (&str, &str, &str), tolerance, reason: &str| {
-            let lines = Lines { context, id: "", method: worst.method(&method) };
-            lines.bounded(of, worst.value(), tolerance, reason)
+        let of = |worst: &Worst, name: &str, quantity: &str| {
+            context.lines("", worst.method(&method)).of(name, quantity)
         };
+        let Self { tips, start, change, speed, asymmetry } = self;
         let mut claims = vec![
-            claim(
-                &self.tips,
-                ("tips", "tips of the crack at the end, less two", ""),
-                0.0,
-                "it branches, once",
-            ),
-            claim(
-                &self.start,
-                (
-                    "branching-point",
-                    "where the lines through both arms meet, from the left edge, over that of another code, less one",
-                    "",
-                ),
-                0.03,
-                "the other code takes the place where damage splits, up to 1.1 mm to the right, half of a horizon of 2 mm",
-            ),
-            claim(
-                &self.speed,
-                ("tip-speed", "fastest growth of the crack over 4 us, over 1580 m/s, less one", ""),
-                0.25,
-                "the fastest crack that was seen in a glass before it branched, of somewhat other constants; growth over 4 us, four to eight horizons, scatters by 10 %",
-            ),
-            claim(
-                &self.asymmetry,
-                (
-                    "asymmetry",
-                    "share of broken bonds whose image did not break in the same step",
-                    "",
-                ),
-                5e-3,
-                "roundoff: the plate is symmetric; 1e-13 of a stretch may move a break by a step, and with it some of thousands",
-            ),
+            of(tips, "tips", "tips of the crack at the end, less two")
+                .bounded(tips.value(), 0.0)
+                .because("it branches, once"),
+            of(start, "branching-point", "where the lines through both arms meet, from the left edge, over that of another code, less one")
+                .bounded(start.value(), 0.03)
+                .because("the other code takes the place where damage splits, up to 1.1 mm to the right, half of a horizon of 2 mm"),
+            of(speed, "tip-speed", "fastest growth of the crack over 4 us, over 1580 m/s, less one")
+                .bounded(speed.value(), 0.25)
+                .because("the fastest crack that was seen in a glass before it branched, of somewhat other constants; growth over 4 us, four to eight horizons, scatters by 10 %"),
+            of(asymmetry, "asymmetry", "share of broken bonds whose image did not break in the same step")
+                .bounded(asymmetry.value(), 5e-3)
+                .because("roundoff: the plate is symmetric; 1e-13 of a stretch may move a break by a step, and with it some of thousands"),
         ];
         if millimetres.len() > 1 {
-            claims.push(claim(
-                &self.change,
-                ("change-of-point", "branching point at 0.25 mm over that at 0.5 mm, less one", ""),
-                0.01,
-                "the place is that of the plate, not of its mesh: within 0.6 mm, the horizon of the finer one is 1 mm",
-            ));
+            let quantity = "branching point at 0.25 mm over that at 0.5 mm, less one";
+            let reason = "the place is that of the plate, not of its mesh: within 0.6 mm, the horizon of the finer one is 1 mm";
+            let subject = of(change, "change-of-point", quantity);
+            claims.push(subject.bounded(change.value(), 0.01).because(reason));
         }
         claims
     }

@@ -7,19 +7,15 @@ use reference_problems::peridyn::background::{
 use reference_problems::peridyn::first_passage::rate;
 use reference_problems::peridyn::network::Network;
 use reference_problems::peridyn::sample::mean;
-use result_figures::{ErrorKind, Reference};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const LATTICE: Case = Case {
     id: "peridyn-sde/breaking-by-step",
     title: "A plate of 48 x 48 nodes in noise: bonds broken after a fixed time, for steps of z = 0.1, 0.05, 0.025",
     source: "the same time at a quarter of the step; research of the prototype: 6.0 % against 2.95 % by two schemes at z = 0.11",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: by_step,
+    run: Together(by_step),
 };
 
 pub(crate) const BACKGROUND: Case = Case {
@@ -27,14 +23,13 @@ pub(crate) const BACKGROUND: Case = Case {
     title: "Bonds that break in equilibrium without load: their rate against that of killed Ornstein-Uhlenbeck paths",
     source: "K^-1 of the network for the variance of each bond; lowest eigenvalue of the killed process",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: background,
+    run: Together(background),
 };
 
 /// `s0/sigma` of a plate of which some per cent of the bonds break: few enough of them to be rare, enough to be counted.
 const RATIO: f64 = 4.0;
 
-fn by_step(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn by_step(context: &Context<'_>) -> CaseResult {
     let network = Network::square(48, 3)?;
     let (strength, time) = (0.01, 50.0);
     let mut claims = Vec::new();
@@ -49,13 +44,16 @@ fn by_step(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let finest = found[0];
         for (z, coarse) in steps.into_iter().zip(&found).skip(1) {
             let name = scheme.name().to_lowercase().replace(' ', "-");
-            claims.push(Claim::judge(
-                context.subject(&format!("{name}/z{z}"), "share of bonds broken after 50/lambda_max", "", &format!("{} with the bridge, ratio {RATIO}, z = {z} against 0.025, 8 realisations", scheme.name())),
-                ErrorKind::Relative,
-                *coarse,
-                Reference::uncertain(finest.value, finest.standard_error.unwrap_or(0.0)),
-                Criterion::MonteCarlo { bias_bound: 0.015, reason: "a bond alone, from the transition of one step: 1.2 % at z = 0.1 and four deviations, by either scheme; other noise at each step" },
-            ));
+            let method = format!(
+                "{} with the bridge, ratio {RATIO}, z = {z} against 0.025, 8 realisations",
+                scheme.name()
+            );
+            let quantity = "share of bonds broken after 50/lambda_max";
+            let reason = "a bond alone, from the transition of one step: 1.2 % at z = 0.1 and four deviations, by either scheme; other noise at each step";
+            let reference =
+                Reference::uncertain(finest.value, finest.standard_error.unwrap_or(0.0));
+            let subject = context.subject(format!("{name}/z{z}"), quantity, method);
+            claims.push(subject.relative(*coarse, reference).monte_carlo(0.015).because(reason));
         }
     }
     Ok(claims)
@@ -84,7 +82,7 @@ impl Rates {
     }
 }
 
-fn background(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn background(context: &Context<'_>) -> CaseResult {
     let network = Network::square(16, 3)?;
     let (strength, of_bonds, rates) = (0.01, noise_of_bonds(&network)?, Rates::new());
     let full = context.profile == Profile::Full;
@@ -98,20 +96,16 @@ fn background(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             rate_in_equilibrium::<f32, 16>(&network, (strength, ratio), (0.1, time), batches)?;
         let kt = temperature(&network, strength, ratio);
         let lost = |rate: f64| -(-rate * duration).exp_m1() / duration;
-        let expected =
-            of_bonds.iter().map(|of| lost(of.rate(kt, strength, |level| rates.at(level)))).sum();
-        claims.push(Claim::judge(
-            context.subject(
-                &format!("ratio{ratio}"),
-                "bonds broken per time",
-                "1/time",
-                &format!("Heun with the bridge, z = 0.1, 16 x 16 nodes from equilibrium, {} realisations until {time}/lambda_max", 16 * batches),
-            ),
-            ErrorKind::Relative,
-            found,
-            Reference::exact(expected),
-            Criterion::MonteCarlo { bias_bound: 0.03, reason: "a bond alone by Heun's steps of z = 0.1 is up to 1.5 % low. A bond of a network is a sum of paths, of which some last: by Slepian's inequality it breaks no more often than one path of its variance and diffusion, and some per cent less. A broken bond loads others, but few are broken" },
-        ));
+        let rates = of_bonds.iter().map(|of| of.rate(kt, strength, |level| rates.at(level)));
+        let expected: f64 = rates.map(lost).sum();
+        let method = format!(
+            "Heun with the bridge, z = 0.1, 16 x 16 nodes from equilibrium, {} realisations until {time}/lambda_max",
+            16 * batches
+        );
+        let reason = "a bond alone by Heun's steps of z = 0.1 is up to 1.5 % low. A bond of a network is a sum of paths, of which some last: by Slepian's inequality it breaks no more often than one path of its variance and diffusion, and some per cent less. A broken bond loads others, but few are broken";
+        let subject = context.subject(format!("ratio{ratio}"), "bonds broken per time", method);
+        let compared = subject.unit("1/time").relative(found, expected);
+        claims.push(compared.monte_carlo(0.03).because(reason));
     }
     Ok(claims)
 }

@@ -1,22 +1,17 @@
 //! Concrete in bending against experiments: constants from a notched beam, prediction of one without a notch; an L-shaped panel
 //! from its given constants.
 
-use result_figures::{ErrorKind, Reference};
 use serde::Deserialize;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
+use crate::cases::prelude::*;
 use crate::peridyn::concrete::{Concrete, Lattice, Tested, beam, panel};
-use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/concrete",
     title: "Three-point bending of concrete beams and an L-shaped panel, bonds that soften, event by event: against experiments",
     source: "Gregoire, Rojas-Solano & Pijaudier-Cabot 2013; Winkler 2001",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Three shells of 2.5 mm: 20 nodes over the depth of a beam.
@@ -77,7 +72,7 @@ struct Peak {
     at: f64,
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let beams: Beams = serde_json::from_str(include_str!(
         "../../../reference/published/peridyn/concrete_beams.json"
     ))?;
@@ -99,7 +94,7 @@ struct Compared {
     inside: f64,
 }
 
-fn compared(tested: &Tested, envelope: &Envelope) -> Result<Compared, CaseError> {
+fn compared(tested: &Tested, envelope: &Envelope) -> CaseResult<Compared> {
     let [from, to] = OPENINGS;
     let (mut squares, mut inside, mut count) = (0.0, 0.0, 0.0);
     for &[opening, low, high] in envelope.curve.iter().filter(|row| row[0] > from && row[0] < to) {
@@ -127,69 +122,56 @@ fn words(of: Concrete, on: Lattice) -> String {
     )
 }
 
-fn notched(context: &Context<'_>, measured: &Envelope) -> Result<Vec<Claim>, CaseError> {
+fn notched(context: &Context<'_>, measured: &Envelope) -> CaseResult {
     context.progress("half-notched beam");
     let tested = beam(FITTED, BEAM, Some(NOTCH), 1.05e-3 * OPENINGS[1])?;
-    let lines = Lines { context, id: "half-notched", method: words(FITTED, BEAM) };
+    let lines = context.lines("half-notched", words(FITTED, BEAM));
     let [low, high] = measured.peak;
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let peak = tested.peak()?;
     let Compared { deviation, inside } = compared(&tested, measured)?;
     let mut claims = vec![
-        lines.judge(
-            ("peak", "largest load, against the middle of the envelope of peaks", "kN"),
-            ErrorKind::Relative,
-            1e-3 * peak.load,
-            Reference::exact(middle),
-            Criterion::Within {
-                tolerance: half / middle,
-                reason: "the envelope of the tests; strength and energy are fitted to this beam, so that this is no prediction",
-            },
-        ),
-        lines.measured(
-            ("deviation", "root mean square distance to the middle of the envelope, over its peak", ""),
-            deviation,
-            (0.05, 0.1),
-            "a fit of two constants: a falling line in place of the long tail of concrete",
-        ),
-        lines.measured(
-            ("inside", "share of the envelope's points at which the load lies in it", ""),
-            inside,
-            (0.6, 1.0),
-            "as the deviation: above the envelope shortly after the peak",
-        ),
+        lines
+            .of("peak", "largest load, against the middle of the envelope of peaks")
+            .unit("kN")
+            .relative(1e-3 * peak.load, middle)
+            .within(half / middle)
+            .because("the envelope of the tests; strength and energy are fitted to this beam, so that this is no prediction"),
+        lines
+            .of("deviation", "root mean square distance to the middle of the envelope, over its peak")
+            .measured(deviation, (0.05, 0.1))
+            .because("a fit of two constants: a falling line in place of the long tail of concrete"),
+        lines
+            .of("inside", "share of the envelope's points at which the load lies in it")
+            .measured(inside, (0.6, 1.0))
+            .because("as the deviation: above the envelope shortly after the peak"),
     ];
     if context.profile == Profile::Full {
         context.progress("half-notched beam, half the spacing");
         let finer = beam(FITTED, FINER, Some(NOTCH), 4e-5)?.peak()?;
-        claims.push(lines.relative(
-            ("peak/half-spacing", "largest load, against that at half the spacing and the same horizon", "N"),
-            peak.load,
-            finer.load,
-            0.05,
-            "bonds about the tip of the notch are counted by a lattice: of first order in the spacing over the horizon",
-        ));
+        let quantity = "largest load, against that at half the spacing and the same horizon";
+        let reason = "bonds about the tip of the notch are counted by a lattice: of first order in the spacing over the horizon";
+        let subject = lines.of("peak/half-spacing", quantity).unit("N");
+        claims.push(subject.relative(peak.load, finer.load).within(0.05).because(reason));
     } else {
         context.skip("the notched beam at half the spacing");
     }
     Ok(claims)
 }
 
-fn unnotched(context: &Context<'_>, measured: &Envelope) -> Result<Vec<Claim>, CaseError> {
+fn unnotched(context: &Context<'_>, measured: &Envelope) -> CaseResult {
     context.progress("beam without a notch");
     let tested = beam(FITTED, BEAM, None, 3.5e-5)?;
-    let lines = Lines { context, id: "unnotched", method: words(FITTED, BEAM) };
+    let lines = context.lines("unnotched", words(FITTED, BEAM));
     let mean = measured.mean_peak.ok_or("the mean peak of the beam without a notch is missing")?;
-    let mut claims = vec![lines.judge(
-        ("peak", "predicted largest load, against the mean of the tests", "kN"),
-        ErrorKind::Relative,
-        1e-3 * tested.peak()?.load,
-        Reference::exact(mean),
-        Criterion::Within {
-            tolerance: 1.0 - measured.peak[0] / mean,
-            reason: "from the mean to the lower envelope of the tests; strength and energy are those of the notched beam",
-        },
-    )];
+    let mut claims = vec![
+        lines
+            .of("peak", "predicted largest load, against the mean of the tests")
+            .unit("kN")
+            .relative(1e-3 * tested.peak()?.load, mean)
+            .within(1.0 - measured.peak[0] / mean)
+            .because("from the mean to the lower envelope of the tests; strength and energy are those of the notched beam"),
+    ];
     for (name, opening, range) in [("rise", 0.005, (0.85, 1.25)), ("fall", 0.02, (-0.2, -0.06))] {
         let row = measured
             .curve
@@ -197,22 +179,16 @@ fn unnotched(context: &Context<'_>, measured: &Envelope) -> Result<Vec<Claim>, C
             .min_by(|a, b| (a[0] - opening).abs().total_cmp(&(b[0] - opening).abs()));
         let &[at, low, high] = row.ok_or("the curve of the beam without a notch is missing")?;
         let load = tested.load_at(1e-3 * at).ok_or("the test ended before its openings")?;
-        claims.push(lines.judge(
-            (&format!("load/{name}"), "predicted load at an opening, against the middle of the envelope", "kN"),
-            ErrorKind::Relative,
-            1e-3 * load,
-            Reference::exact(0.5 * (low + high)),
-            Criterion::AsMeasured {
-                from: range.0,
-                to: range.1,
-                reason: "the gauge of this beam is not known: its elastic opening is four times that of 20 mm of the lower edge by beam theory, so that the measured curve lies at larger openings",
-            },
-        ));
+        let quantity = "predicted load at an opening, against the middle of the envelope";
+        let reason = "the gauge of this beam is not known: its elastic opening is four times that of 20 mm of the lower edge by beam theory, so that the measured curve lies at larger openings";
+        let subject = lines.of(format!("load/{name}"), quantity).unit("kN");
+        let compared = subject.relative(1e-3 * load, 0.5 * (low + high));
+        claims.push(compared.as_measured(range.0, range.1).because(reason));
     }
     Ok(claims)
 }
 
-fn l_panel(context: &Context<'_>, measured: &Panel, energy: f64) -> Result<Vec<Claim>, CaseError> {
+fn l_panel(context: &Context<'_>, measured: &Panel, energy: f64) -> CaseResult {
     context.progress(&format!("L-shaped panel, {energy} J/m^2"));
     let Material { young_modulus, tensile_strength, .. } = measured.material;
     let of = Concrete {
@@ -221,51 +197,35 @@ fn l_panel(context: &Context<'_>, measured: &Panel, energy: f64) -> Result<Vec<C
         fracture_energy: energy,
     };
     let tested = panel(of, PANEL, 3e-4, None)?;
-    let id = format!("l-panel/g-{energy}");
-    let lines = Lines { context, id: &id, method: words(of, PANEL) };
+    let lines = context.lines(format!("l-panel/g-{energy}"), words(of, PANEL));
     let horizon = PANEL.spacing * (f64::from(PANEL.shells) + 0.5);
     let start = (tested.first[0] - 0.25).hypot(tested.first[1] - 0.25) / horizon;
     let (peak, first) = (tested.peak()?, tested.points[0]);
-    let against =
-        |of: (&str, &str, &str), value: f64, exact: f64, (from, to): (f64, f64), reason: &str| {
-            let criterion = Criterion::AsMeasured { from, to, reason };
-            lines.judge(of, ErrorKind::Relative, value, Reference::exact(exact), criterion)
-        };
     Ok(vec![
-        lines.bounded(
-            (
+        lines
+            .of(
                 "start",
                 "distance of the first bond that softens from the re-entrant corner, in horizons",
-                "",
-            ),
-            start,
-            0.5,
-            "a bond whose middle is half its length from the corner crosses it",
-        ),
-        against(
-            ("peak", "largest load, against the experiment", "N"),
-            peak.load,
-            measured.peak.load,
-            (0.15, 0.45),
-            "not reached: the panel is too stiff, and a line of softening at the given strength holds more than the tests; published simulations have 6.5 to 9.3 kN",
-        ),
-        against(
-            ("peak/displacement", "displacement at the largest load, against the experiment", "mm"),
-            1e3 * peak.displacement,
-            measured.peak.at,
-            (-0.25, 0.05),
-            "less opening before the peak at the smaller energy",
-        ),
-        against(
-            (
-                "stiffness",
-                "load over displacement before the first bond softens, against the experiment",
-                "N/mm",
-            ),
-            1e-3 * first.load / first.displacement,
-            measured.stiffness,
-            (0.3, 0.5),
-            "not reached: a support without compliance, and E from compression tests; the micromodulus is exact to a few per cent",
-        ),
+            )
+            .bounded(start, 0.5)
+            .because("a bond whose middle is half its length from the corner crosses it"),
+        lines
+            .of("peak", "largest load, against the experiment")
+            .unit("N")
+            .relative(peak.load, measured.peak.load)
+            .as_measured(0.15, 0.45)
+            .because("not reached: the panel is too stiff, and a line of softening at the given strength holds more than the tests; published simulations have 6.5 to 9.3 kN"),
+        lines
+            .of("peak/displacement", "displacement at the largest load, against the experiment")
+            .unit("mm")
+            .relative(1e3 * peak.displacement, measured.peak.at)
+            .as_measured(-0.25, 0.05)
+            .because("less opening before the peak at the smaller energy"),
+        lines
+            .of("stiffness", "load over displacement before the first bond softens, against the experiment")
+            .unit("N/mm")
+            .relative(1e-3 * first.load / first.displacement, measured.stiffness)
+            .as_measured(0.3, 0.5)
+            .because("not reached: a support without compliance, and E from compression tests; the micromodulus is exact to a few per cent"),
     ])
 }

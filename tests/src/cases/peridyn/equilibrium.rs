@@ -9,22 +9,16 @@ use reference_problems::peridyn::network::{Network, distance, foster, lanes, rat
 use reference_problems::peridyn::stationary::{
     TEMPERATURE, covariance_of_baoab, law_of, overdamped,
 };
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/equilibrium",
     title: "Covariance of small networks with linear bonds against kT K^-1: the maps of the schemes, and samples",
     source: "discrete Lyapunov equation of each scheme; kT min(i, j) of a chain (chain10.json); Leimkuhler and Matthews 2013; Foster 1961",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 fn correlation(function: CorrelationFunction) -> Correlation {
@@ -83,7 +77,7 @@ fn see<const D: usize>(
     name: &str,
     network: &Network<D>,
     laws: &mut [(&'static str, Laws)],
-) -> Result<(), CaseError> {
+) -> CaseResult<()> {
     let k = network.stiffness();
     let exact = TEMPERATURE * k.clone().try_inverse().ok_or("a singular network")?;
     for ((_, mobility), (_, laws)) in mobilities(network)?.iter().zip(laws) {
@@ -108,7 +102,7 @@ fn biased<const D: usize>(
     mobility: &Mobility,
     scheme: Scheme,
     exact: &DMatrix<f64>,
-) -> Result<f64, CaseError> {
+) -> CaseResult<f64> {
     let (l, k) = (network.factor(mobility)?, network.stiffness());
     let n = network.n_unknowns();
     let one = DMatrix::<f64>::identity(n, n);
@@ -131,13 +125,9 @@ fn claims_of(context: &Context<'_>, name: &str, laws: &Laws) -> Vec<Claim> {
     let over = format!("{name}, chain of 10 and square of 16 nodes");
     let claim = |id: &str, quantity: &str, worst: &Worst, of: &str, tolerance, reason: &str| {
         let method = worst.method(&format!("{of}, {over}"));
-        let id = format!("{}/{id}", name.replace(' ', "-"));
-        Lines { context, id: "", method }.bounded(
-            (&id, quantity, ""),
-            worst.value(),
-            tolerance,
-            reason,
-        )
+        let lines = context.lines("", method);
+        let subject = lines.of(format!("{}/{id}", name.replace(' ', "-")), quantity);
+        subject.bounded(worst.value(), tolerance).because(reason)
     };
     let mut claims = Vec::new();
     for (at, (scheme, key, covariance, kick, reason)) in EXACT.into_iter().enumerate() {
@@ -173,7 +163,7 @@ fn claims_of(context: &Context<'_>, name: &str, laws: &Laws) -> Vec<Claim> {
 }
 
 /// BAOAB on displacements and velocities.
-fn inertial(context: &Context<'_>, network: &Network<1>) -> Result<Claim, CaseError> {
+fn inertial(context: &Context<'_>, network: &Network<1>) -> CaseResult<Claim> {
     let exact = TEMPERATURE * network.stiffness().try_inverse().ok_or("a singular network")?;
     let mut worst = Worst::default();
     for (friction, part) in [(0.3, 0.5), (3.0, 0.9)] {
@@ -181,19 +171,15 @@ fn inertial(context: &Context<'_>, network: &Network<1>) -> Result<Claim, CaseEr
         let place = format!("gamma = {friction}, omega h = {}", 2.0 * part);
         worst.take(distance(&covariance, &exact), &place);
     }
-    let lines =
-        Lines { context, id: "chain10/baoab", method: worst.method("BAOAB, two frictions") };
-    Ok(lines.bounded(
-        ("covariance", "largest entry of cov(u) - kT K^-1 over its largest", ""),
-        worst.value(),
-        1e-13,
-        "roundoff: exact in displacements for linear forces at any stable step; 2e-16 times the condition of the chain, 200, over more steps than overdamped",
-    ))
+    let lines = context.lines("chain10/baoab", worst.method("BAOAB, two frictions"));
+    let reason = "roundoff: exact in displacements for linear forces at any stable step; 2e-16 times the condition of the chain, 200, over more steps than overdamped";
+    let subject = lines.of("covariance", "largest entry of cov(u) - kT K^-1 over its largest");
+    Ok(subject.bounded(worst.value(), 1e-13).because(reason))
 }
 
 /// `epsilon` of the confining energy takes `lambda/(lambda + epsilon)` of the variance of a mode, and holds a node without bonds
 /// to `kT/epsilon`.
-fn confined(context: &Context<'_>) -> Result<[Claim; 2], CaseError> {
+fn confined(context: &Context<'_>) -> CaseResult<[Claim; 2]> {
     let mut chain = Network::chain(11)?;
     // The last node is loose: its only bond is cut.
     chain.cut = vec![chain.bonds.len() - 1];
@@ -216,30 +202,26 @@ fn confined(context: &Context<'_>) -> Result<[Claim; 2], CaseError> {
     let reason = "roundoff: linear forces, exact by Leimkuhler and Matthews' method; 2e-16 times the condition, 200";
     let method =
         "Leimkuhler-Matthews, z = 1, chain of 10 bonded nodes and a loose one, epsilon = 0.05";
-    let lines = Lines { context, id: "confinement", method: bonded.method(method) };
+    let lines = context.lines("confinement", bonded.method(method));
     Ok([
-        lines.bounded(
-            (
+        lines
+            .of(
                 "modes",
                 "largest relative error of the variance of a mode against kT/(lambda + epsilon)",
-                "",
-            ),
-            bonded.value(),
-            1e-13,
-            reason,
-        ),
-        Lines { method: method.into(), ..lines }.relative(
-            ("loose-node", "variance of the node without bonds, over kT/epsilon", ""),
-            loose,
-            1.0,
-            1e-13,
-            reason,
-        ),
+            )
+            .bounded(bonded.value(), 1e-13)
+            .because(reason),
+        context
+            .lines("confinement", method)
+            .of("loose-node", "variance of the node without bonds, over kT/epsilon")
+            .relative(loose, 1.0)
+            .within(1e-13)
+            .because(reason),
     ])
 }
 
 /// The first code of the note's authors had `M` in the noise alone.
-fn noise_alone(context: &Context<'_>, network: &Network<2>) -> Result<Vec<Claim>, CaseError> {
+fn noise_alone(context: &Context<'_>, network: &Network<2>) -> CaseResult {
     let k = network.stiffness();
     let exact = TEMPERATURE * k.clone().try_inverse().ok_or("a singular network")?;
     let mobility = &mobilities(network)?[1].1;
@@ -253,8 +235,7 @@ fn noise_alone(context: &Context<'_>, network: &Network<2>) -> Result<Vec<Claim>
     let covariance = stationary(&(&half * (&one - 0.5 * dt * &k)), &(&noise * noise.transpose()));
     // The nugget puts the diagonal of M above one; the trace is what energy sees.
     let trace = (&l * l.transpose()).trace() / n as f64;
-    let lines =
-        Lines { context, id: "noise-alone", method: "M in the noise alone, unit diagonal".into() };
+    let lines = context.lines("noise-alone", "M in the noise alone, unit diagonal");
     let energy = foster(network, &covariance) / (TEMPERATURE * n as f64 * trace);
     // S of K S + S K = 2 kT M, by the modes of K.
     let modes = SymmetricEigen::new(k);
@@ -265,25 +246,24 @@ fn noise_alone(context: &Context<'_>, network: &Network<2>) -> Result<Vec<Claim>
     });
     let expected = distance(&(v * by_modes * v.transpose() / trace), &exact);
     Ok(vec![
-        lines.relative(
-            ("energy", "mean energy over kT tr M/2", ""),
-            energy,
-            1.0,
-            1e-13,
-            "roundoff: the energy sees the trace of M alone: equipartition does not detect a wrong noise; 2e-16 times the condition of K",
-        ),
-        lines.relative(
-            ("covariance", "largest entry of cov - kT K^-1 over its largest, 1.87 where it should be zero", ""),
-            distance(&(covariance / trace), &exact),
-            expected,
-            1e-12,
-            "roundoff: the covariance does detect it: it is that of K S + S K = 2 kT M, far from kT K^-1; 2e-16 times the condition of K, by another path",
-        ),
+        lines
+            .of("energy", "mean energy over kT tr M/2")
+            .relative(energy, 1.0)
+            .within(1e-13)
+            .because("roundoff: the energy sees the trace of M alone: equipartition does not detect a wrong noise; 2e-16 times the condition of K"),
+        lines
+            .of(
+                "covariance",
+                "largest entry of cov - kT K^-1 over its largest, 1.87 where it should be zero",
+            )
+            .relative(distance(&(covariance / trace), &exact), expected)
+            .within(1e-12)
+            .because("roundoff: the covariance does detect it: it is that of K S + S K = 2 kT M, far from kT K^-1; 2e-16 times the condition of K, by another path"),
     ])
 }
 
 /// All entries of a sampled covariance in one number.
-fn sampled(context: &Context<'_>, network: &Network<1>) -> Result<Vec<Claim>, CaseError> {
+fn sampled(context: &Context<'_>, network: &Network<1>) -> CaseResult {
     let n = network.n_unknowns();
     let stiffness = network.stiffness();
     let root = stiffness.clone().cholesky().ok_or("not positive definite")?.l();
@@ -323,36 +303,27 @@ fn sampled(context: &Context<'_>, network: &Network<1>) -> Result<Vec<Claim>, Ca
         let error = sum / count as f64 - DMatrix::<f64>::identity(n, n);
         let chi_square = 0.5 * count as f64 * error.norm_squared();
         let freedom = (n * (n + 1) / 2) as f64;
-        claims.push(Claim::judge(
-            context.subject(
-                &format!("chain10/sampled/{name}"),
-                "chi-square of all entries of the covariance",
-                "",
-                &format!("Leimkuhler-Matthews, {name}, z = {z}, {count} realisations"),
-            ),
-            ErrorKind::Absolute,
-            Measured::sampled(chi_square, (2.0 * freedom).sqrt()),
-            Reference::exact(freedom),
-            Criterion::MonteCarlo {
-                bias_bound: 0.5,
-                reason: "n/2 |W - 1|^2 of the whitened covariance W has the law of chi-square with n (n + 1)/2 degrees of freedom; what is left of the start",
-            },
-        ));
+        let quantity = "chi-square of all entries of the covariance";
+        let method = format!("Leimkuhler-Matthews, {name}, z = {z}, {count} realisations");
+        let value = Measured::sampled(chi_square, (2.0 * freedom).sqrt());
+        let reason = "n/2 |W - 1|^2 of the whitened covariance W has the law of chi-square with n (n + 1)/2 degrees of freedom; what is left of the start";
+        let subject = context.subject(format!("chain10/sampled/{name}"), quantity, method);
+        claims.push(subject.absolute(value, freedom).monte_carlo(0.5).because(reason));
     }
     Ok(claims)
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let chain = Network::chain(10)?;
-    let lines = Lines { context, id: "chain10", method: "springs of stiffness one".into() };
+    let lines = context.lines("chain10", "springs of stiffness one");
     let minimum = DMatrix::from_fn(10, 10, |i, j| (i.min(j) + 1) as f64);
     let inverse = chain.stiffness().try_inverse().ok_or("a singular chain")?;
-    let mut claims = vec![lines.bounded(
-        ("inverse", "largest entry of K^-1 - min(i, j) over its largest", ""),
-        distance(&inverse, &minimum),
-        4e-14,
-        "roundoff: chain10.json, the closed form of a chain; 2e-16 times its condition, 200",
-    )];
+    let mut claims = vec![
+        lines
+            .of("inverse", "largest entry of K^-1 - min(i, j) over its largest")
+            .bounded(distance(&inverse, &minimum), 4e-14)
+            .because("roundoff: chain10.json, the closed form of a chain; 2e-16 times its condition, 200"),
+    ];
     let square = Network::square(4, 2)?;
     let mut laws: Vec<(&str, Laws)> =
         mobilities(&chain)?.into_iter().map(|(name, _)| (name, Laws::default())).collect();

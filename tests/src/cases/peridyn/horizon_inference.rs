@@ -7,22 +7,16 @@ use peridyn_sde::{
     Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, Nodes, Strain,
     SurfaceCorrection, VolumeCorrection,
 };
-use result_figures::{ErrorKind, Reference};
 use sde_integrators::{Noise, Purpose};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/horizon-inference",
     title: "Horizon and Young's modulus from eight frequencies of a bar with errors of 2 %: 60 synthetic data sets from the continuum",
     source: "rho w^2 = (4 E/delta^2) (gamma + ln(k delta) - Ci(k delta)); the posterior of that model by quadrature",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Wave numbers, over the inverse of a length of one.
@@ -56,7 +50,7 @@ fn of_continuum(horizon: f64) -> [f64; 8] {
 
 /// `rho omega^2 dx^2/E` of the wave `cos(kappa x)` on a lattice, by the force on the node at its crest. Bonds near the horizon have
 /// a ramp in their volumes, so that the stiffness is continuous in the horizon.
-fn frequency(horizon: f64, kappa: f64) -> Result<f64, CaseError> {
+fn frequency(horizon: f64, kappa: f64) -> CaseResult<f64> {
     let reach = horizon.floor() + 1.5;
     let condition = Condition::Bar { area: 1.0 };
     let nodes = Nodes::lattice(1.0, ([-reach], [reach]), condition, |_| true)?;
@@ -80,8 +74,8 @@ fn frequency(horizon: f64, kappa: f64) -> Result<f64, CaseError> {
 struct Lattice(Vec<[f64; 8]>);
 
 impl Lattice {
-    fn new() -> Result<Self, CaseError> {
-        let at = |knot: usize| -> Result<[f64; 8], CaseError> {
+    fn new() -> CaseResult<Self> {
+        let at = |knot: usize| -> CaseResult<[f64; 8]> {
             let horizon = knot_horizon(knot);
             let mut found = [0.0; 8];
             for (found, k) in found.iter_mut().zip(WAVE_NUMBERS) {
@@ -159,7 +153,7 @@ struct Found {
     r_hat: Worst,
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let lattice = Lattice::new()?;
     let parameter = |(name, (low, high)): (&str, (f64, f64))| Parameter {
         name: name.to_owned(),
@@ -205,42 +199,34 @@ fn claims(context: &Context<'_>, found: &Found) -> Vec<Claim> {
         BOUNDS[1].0 / SPACING,
         BOUNDS[1].1 / SPACING
     );
-    let at = |worst: &Worst| Lines { context, id: "", method: worst.method(&method) };
+    let at = |worst: &Worst| context.lines("", worst.method(&method));
     let mut claims = vec![
-        at(&found.mean).bounded(
-            ("horizon/mean", "largest error of the posterior mean of the horizon, over the posterior deviation", ""),
-            found.mean.value(),
-            0.3,
-            "statistics: chains of some thousand effective draws leave 0.02; the lattice differs from the continuum by up to (k dx)^2/12 = 8e-4 in a frequency, 0.04 of its error, and a horizon is known worst where it is short",
-        ),
-        at(&found.deviation).bounded(
-            ("horizon/deviation", "largest relative error of the posterior deviation of the horizon", ""),
-            found.deviation.value(),
-            0.2,
-            "statistics: 2 % from the draws, more where the prior cuts the posterior off",
-        ),
-        at(&found.r_hat).bounded(
-            ("r-hat", "largest rank-normalised split R-hat, less one", ""),
-            found.r_hat.value(),
-            0.01,
-            "Vehtari et al. 2021 ask for 1.01",
-        ),
+        at(&found.mean)
+            .of(
+                "horizon/mean",
+                "largest error of the posterior mean of the horizon, over the posterior deviation",
+            )
+            .bounded(found.mean.value(), 0.3)
+            .because("statistics: chains of some thousand effective draws leave 0.02; the lattice differs from the continuum by up to (k dx)^2/12 = 8e-4 in a frequency, 0.04 of its error, and a horizon is known worst where it is short"),
+        at(&found.deviation)
+            .of("horizon/deviation", "largest relative error of the posterior deviation of the horizon")
+            .bounded(found.deviation.value(), 0.2)
+            .because("statistics: 2 % from the draws, more where the prior cuts the posterior off"),
+        at(&found.r_hat)
+            .of("r-hat", "largest rank-normalised split R-hat, less one")
+            .bounded(found.r_hat.value(), 0.01)
+            .because("Vehtari et al. 2021 ask for 1.01"),
     ];
     for (name, covered) in ["modulus", "horizon"].into_iter().zip(found.covered) {
         let share = f64::from(covered) / DATA_SETS as f64;
         // Of a share of 0.9, whatever was seen.
         let standard_error = (0.9 * 0.1 / DATA_SETS as f64).sqrt();
-        let lines = Lines { context, id: name, method: method.clone() };
-        claims.push(lines.judge(
-            ("coverage", &format!("share of data sets whose 90 % interval of the {name} holds the truth"), ""),
-            ErrorKind::Absolute,
-            share,
-            Reference::exact(0.9),
-            Criterion::Within {
-                tolerance: 4.0 * standard_error,
-                reason: "statistics: truths are drawn from the prior, so that intervals hold nine of ten; four standard errors of 60 data sets",
-            },
-        ));
+        let lines = context.lines(name, method.clone());
+        let quantity =
+            format!("share of data sets whose 90 % interval of the {name} holds the truth");
+        let reason = "statistics: truths are drawn from the prior, so that intervals hold nine of ten; four standard errors of 60 data sets";
+        let compared = lines.of("coverage", quantity).absolute(share, 0.9);
+        claims.push(compared.within(4.0 * standard_error).because(reason));
     }
     claims
 }

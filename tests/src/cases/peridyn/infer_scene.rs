@@ -4,7 +4,6 @@ use std::path::Path;
 
 use reference_problems::processes::outcome;
 use reference_problems::record::workspace;
-use result_figures::{ErrorKind, Measured, Reference};
 use scenes::checkpoint::Start;
 use scenes::crack_inference::measured::Measured as Plates;
 use scenes::crack_inference::scene::InferenceScene;
@@ -14,19 +13,15 @@ use scenes::{Options, SceneFile};
 use sde_integrators::{Noise, Purpose};
 use serde_json::{Value, json};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
+use crate::cases::prelude::*;
 use crate::cases::scene_result::result_of;
-use crate::claim::Criterion;
-use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/infer-scene",
     title: "The scene infer_toughness: toughness and scatter of strength from cracks and loads of 16 synthetic plates",
     source: "synthetic truth: the plate's own scene at G0 = 4.8 J/m^2 and a coefficient of variation of 0.15, another seed",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const SCENE: &str = "tests/scenes/peridyn/infer_toughness.json";
@@ -44,7 +39,7 @@ struct Synthetic {
 }
 
 /// The plates of the files, made again: paths and loads of the model at the truth with errors of measurement.
-fn synthetic(scene: &InferenceScene) -> Result<Vec<Synthetic>, CaseError> {
+fn synthetic(scene: &InferenceScene) -> CaseResult<Vec<Synthetic>> {
     let file = SceneFile::read(&workspace().join(PLATE))?;
     let mut keys = file.keys().clone();
     keys["material"]["toughness"]["energy_release_rate"] = json!(TRUTH[0]);
@@ -75,7 +70,7 @@ fn synthetic(scene: &InferenceScene) -> Result<Vec<Synthetic>, CaseError> {
 }
 
 /// Largest distance of the files to the plates made again: of a height (m), and of a load (N).
-fn distance(plates: &[Synthetic], files: &Plates) -> Result<[f64; 2], CaseError> {
+fn distance(plates: &[Synthetic], files: &Plates) -> CaseResult<[f64; 2]> {
     if plates.len() != files.plates.len() {
         return Err(format!("{} plates in the files", files.plates.len()).into());
     }
@@ -93,7 +88,7 @@ fn distance(plates: &[Synthetic], files: &Plates) -> Result<[f64; 2], CaseError>
     Ok(largest)
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let folder = tempfile::tempdir()?;
     let folder = folder.path();
     let file = SceneFile::read(&workspace().join(SCENE))?;
@@ -107,20 +102,18 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         "{} ensembles of {}, averaged over {} emulators, 4 chains of {}",
         scene.design.points, scene.design.realisations, scene.design.emulators, scene.sampler.draws
     );
-    let lines = Lines { context, id: "", method };
+    let lines = context.lines("", method);
     let mut claims = vec![
-        lines.bounded(
-            ("files/height", "largest distance of a measured height to the plate made again", "m"),
-            distance[0],
-            0.5e-6 * (1.0 + 1e-6),
-            "rounding: the files have six digits of a metre",
-        ),
-        lines.bounded(
-            ("files/load", "largest distance of a failure load to the plate made again", "N"),
-            distance[1],
-            0.5e-6 * (1.0 + 1e-6),
-            "rounding: the files have six digits of a newton",
-        ),
+        lines
+            .of("files/height", "largest distance of a measured height to the plate made again")
+            .unit("m")
+            .bounded(distance[0], 0.5e-6 * (1.0 + 1e-6))
+            .because("rounding: the files have six digits of a metre"),
+        lines
+            .of("files/load", "largest distance of a failure load to the plate made again")
+            .unit("N")
+            .bounded(distance[1], 0.5e-6 * (1.0 + 1e-6))
+            .because("rounding: the files have six digits of a newton"),
     ];
     for (parameter, (name, truth)) in result["parameters"]
         .as_array()
@@ -135,74 +128,58 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn number(value: &Value, pointer: &str) -> Result<f64, CaseError> {
+fn number(value: &Value, pointer: &str) -> CaseResult<f64> {
     Ok(value.pointer(pointer).and_then(Value::as_f64).ok_or_else(|| format!("no {pointer}"))?)
 }
 
-fn of_parameter(
-    lines: &Lines<'_>,
-    name: &str,
-    of: &Value,
-    truth: f64,
-) -> Result<Vec<Claim>, CaseError> {
+fn of_parameter(lines: &Lines<'_>, name: &str, of: &Value, truth: f64) -> CaseResult {
     let (mean, deviation) = (number(of, "/mean/value")?, number(of, "/standard_deviation/value")?);
+    let error = number(of, "/mean/error")?;
     Ok(vec![
-        lines.judge_measured(
-            (&format!("{name}/mean"), &format!("distance of the posterior mean of the {name} to the truth, in posterior deviations"), ""),
-            ErrorKind::Absolute,
-            Measured { value: (mean - truth) / deviation, standard_error: Some(number(of, "/mean/error")? / deviation) },
-            Reference::exact(0.0),
-            Criterion::Within {
-                tolerance: 3.0,
-                reason: "statistics: a truth lies beyond three deviations of its posterior once in 370 data sets",
-            },
-        ),
-        lines.measured(
-            (&format!("{name}/contraction"), &format!("share of the variance of the prior of the {name} that the plates remove"), ""),
-            number(of, "/contraction/value")?,
-            (0.5, 1.0),
-            "above one half data say more of a parameter than its prior",
-        ),
-        lines.bounded(
-            (&format!("{name}/r-hat"), &format!("R-hat of the {name}, less one"), ""),
-            number(of, "/r_hat")? - 1.0,
-            0.01,
-            "Vehtari et al. 2021 ask for 1.01",
-        ),
-        lines.measured(
-            (&format!("{name}/effective-draws"), &format!("bulk effective sample size of the {name}"), ""),
-            number(of, "/effective_sample_size")?,
-            (400.0, 20_000.0),
-            "Vehtari et al. 2021 ask for 400 over four chains",
-        ),
+        lines
+            .of(
+                format!("{name}/mean"),
+                format!("distance of the posterior mean of the {name} to the truth, in posterior deviations"),
+            )
+            .absolute(Measured::sampled((mean - truth) / deviation, error / deviation), 0.0)
+            .within(3.0)
+            .because("statistics: a truth lies beyond three deviations of its posterior once in 370 data sets"),
+        lines
+            .of(
+                format!("{name}/contraction"),
+                format!("share of the variance of the prior of the {name} that the plates remove"),
+            )
+            .measured(number(of, "/contraction/value")?, (0.5, 1.0))
+            .because("above one half data say more of a parameter than its prior"),
+        lines
+            .of(format!("{name}/r-hat"), format!("R-hat of the {name}, less one"))
+            .bounded(number(of, "/r_hat")? - 1.0, 0.01)
+            .because("Vehtari et al. 2021 ask for 1.01"),
+        lines
+            .of(format!("{name}/effective-draws"), format!("bulk effective sample size of the {name}"))
+            .measured(number(of, "/effective_sample_size")?, (400.0, 20_000.0))
+            .because("Vehtari et al. 2021 ask for 400 over four chains"),
     ])
 }
 
-fn quality(lines: &Lines<'_>, result: &Value) -> Result<Vec<Claim>, CaseError> {
+fn quality(lines: &Lines<'_>, result: &Value) -> CaseResult {
     let share = "/predictive/share_inside";
     let error = number(result, &format!("{share}/error"))?;
     Ok(vec![
-        lines.judge_measured(
-            ("predictive/share", "share of measured heights and loads inside the predicted 90 %", ""),
-            ErrorKind::Absolute,
-            Measured::exact(number(result, &format!("{share}/value"))?),
-            Reference::exact(0.9),
-            Criterion::Within {
-                tolerance: 3.0 * error,
-                reason: "statistics: three standard errors of 16 plates; the posterior has seen them, which raises the share a little",
-            },
-        ),
-        lines.measured(
-            ("least-share", "smallest share of realisations of an ensemble that have all summaries", ""),
-            number(result, "/emulator/least_share")?,
-            (0.5, 1.0),
-            "the likelihood is that of plates whose crack comes to all abscissae",
-        ),
+        lines
+            .of("predictive/share", "share of measured heights and loads inside the predicted 90 %")
+            .absolute(number(result, &format!("{share}/value"))?, 0.9)
+            .within(3.0 * error)
+            .because("statistics: three standard errors of 16 plates; the posterior has seen them, which raises the share a little"),
+        lines
+            .of("least-share", "smallest share of realisations of an ensemble that have all summaries")
+            .measured(number(result, "/emulator/least_share")?, (0.5, 1.0))
+            .because("the likelihood is that of plates whose crack comes to all abscissae"),
     ])
 }
 
 /// A smaller scene: some points of its design, then all with `--resume`, against all at once.
-fn resumed(lines: &Lines<'_>, file: &SceneFile, folder: &Path) -> Result<Claim, CaseError> {
+fn resumed(lines: &Lines<'_>, file: &SceneFile, folder: &Path) -> CaseResult<Claim> {
     lines.context.progress("resumed");
     let of_points = |points: u64| {
         let mut keys = file.keys().clone();
@@ -218,16 +195,17 @@ fn resumed(lines: &Lines<'_>, file: &SceneFile, folder: &Path) -> Result<Claim, 
     run_file(&of_points(12), &at_once, Start::Anew)?;
     let (resumed, at_once) = (outcome(&out)?, outcome(&at_once)?);
     let different = resumed.symmetric_difference(&at_once).count();
-    let subject = lines.context.subject(
-        "resumed",
-        "entries of the result that differ",
-        "",
-        "10 points, then 12 with --resume, against 12 at once",
-    );
-    let reason = "an ensemble depends on its number and its point alone";
-    Ok(Claim::same_bits(subject, different, at_once.len(), reason))
+    Ok(lines
+        .context
+        .subject(
+            "resumed",
+            "entries of the result that differ",
+            "10 points, then 12 with --resume, against 12 at once",
+        )
+        .same_bits(different, at_once.len())
+        .because("an ensemble depends on its number and its point alone"))
 }
 
-fn run_file(file: &SceneFile, out: &Path, start: Start) -> Result<Value, CaseError> {
+fn run_file(file: &SceneFile, out: &Path, start: Start) -> CaseResult<Value> {
     result_of(file, &Options { start, ..Options::new(out) })
 }

@@ -7,21 +7,17 @@ use crack_inference::{
 use peridyn_sde::Precision;
 use peridyn_sde::statistics::{LoadSummary, SummaryConfig};
 use reference_problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
-use result_figures::Measured;
 use scenes::crack_inference::measured::summaries;
 use sde_integrators::{Estimate, Noise, Purpose};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/inference",
     title: "Strength, correlation length and kT from cracks of 16 plates, by an emulator of ensembles: 20 synthetic data sets of a finer mesh",
     source: "synthetic truth; coverage of 90 % intervals",
     cost: Profile::Full,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Rows of the lattice for inference and of the lattice of the data: 3.8 and 4.5 spacings to the horizon.
@@ -67,7 +63,7 @@ impl Data {
     }
 }
 
-fn space() -> Result<ParameterSpace, CaseError> {
+fn space() -> CaseResult<ParameterSpace> {
     let parameter = |name: &str, low, high| Parameter {
         name: name.to_owned(),
         scale: Scale::Logarithmic,
@@ -101,7 +97,7 @@ struct Truth {
     run: peridyn_sde::CrackRun,
 }
 
-fn simulated(context: &Context<'_>) -> Result<Simulated, CaseError> {
+fn simulated(context: &Context<'_>) -> CaseResult<Simulated> {
     let space = space()?;
     let points = space.design(DESIGN)?;
     let mut runs = Vec::new();
@@ -118,7 +114,7 @@ fn simulated(context: &Context<'_>) -> Result<Simulated, CaseError> {
     Ok(Simulated { space, points, runs })
 }
 
-fn truths(context: &Context<'_>, space: &ParameterSpace) -> Result<Vec<Truth>, CaseError> {
+fn truths(context: &Context<'_>, space: &ParameterSpace) -> CaseResult<Vec<Truth>> {
     let mut stream = Noise::new(SEED).stream(Purpose::InitialDistribution, 0);
     let mut truths = Vec::new();
     for number in 0..DATA_SETS {
@@ -150,7 +146,7 @@ fn inferred(
     data: Data,
     simulated: &Simulated,
     truths: &[Truth],
-) -> Result<Inferred, CaseError> {
+) -> CaseResult<Inferred> {
     let config = data.summaries();
     let of_runs: Result<Vec<Summaries>, _> =
         simulated.runs.iter().map(|run| summaries(&config, &run.records)).collect();
@@ -175,7 +171,7 @@ fn inferred(
     Ok(Inferred { posteriors, likelihoods, least_share: emulator.least_share(), misfit })
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let simulated = simulated(context)?;
     let truths = truths(context, &simulated.space)?;
     let mut claims = Vec::new();
@@ -185,7 +181,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             "emulator of {DESIGN} ensembles of {REALISATIONS}, averaged over {MIXTURE} draws of their errors; tempered cloud, 4 chains of {DRAWS}; data of {} rows, {PLATES} plates each",
             ROWS.1
         );
-        let lines = Lines { context, id, method };
+        let lines = context.lines(id, method);
         claims.extend(coverage(&lines, &simulated.space, &inferred, &truths));
         claims.extend(quality(&lines, &inferred));
         if data == Data::Path {
@@ -208,16 +204,11 @@ fn coverage(
         };
         let count = inferred.posteriors.iter().zip(truths).filter(covers).count();
         let name = parameter.name.to_lowercase();
-        lines.measured(
-            (
-                &format!("{name}/coverage"),
-                &format!("of 20 data sets, those whose 90 % interval of {name} holds the truth"),
-                "",
-            ),
-            count as f64,
-            (15.0, 20.0),
-            "asked: 15 to 20; with 0.9 each a count below 15 has a probability of 1 %",
-        )
+        let quantity =
+            format!("of 20 data sets, those whose 90 % interval of {name} holds the truth");
+        let reason = "asked: 15 to 20; with 0.9 each a count below 15 has a probability of 1 %";
+        let subject = lines.of(format!("{name}/coverage"), quantity);
+        subject.measured(count as f64, (15.0, 20.0)).because(reason)
     };
     space.parameters().iter().enumerate().map(of).collect()
 }
@@ -231,36 +222,32 @@ fn quality(lines: &Lines<'_>, inferred: &Inferred) -> Vec<Claim> {
     let mut noise: Vec<f64> = noise.collect();
     noise.sort_unstable_by(f64::total_cmp);
     vec![
-        lines.measured(
-            ("r-hat", "largest rank-normalised split R-hat of all parameters and data sets", ""),
-            most(|p| p.r_hat),
-            (0.99, 1.01),
-            "Vehtari et al. 2021 ask for 1.01",
-        ),
-        lines.measured(
-            ("effective-draws", "smallest bulk effective sample size", ""),
-            least(|p| p.effective_sample_size),
-            (400.0, 40_000.0),
-            "Vehtari et al. 2021 ask for 400 over four chains",
-        ),
-        lines.sampled(
-            ("likelihood-noise", "median standard error of the log-likelihood at the posterior median, from finite ensembles", ""),
-            Measured::exact(noise[noise.len() / 2]),
-            (0.05, 1.5),
-            "where it is near one the posterior of a single emulator is too narrow; the mixture averages over it",
-        ),
-        lines.measured(
-            ("least-share", "smallest share of realisations that have all summaries", ""),
-            inferred.least_share,
-            (0.5, 1.0),
-            "the likelihood is that of plates whose crack comes to all abscissae",
-        ),
-        lines.measured(
-            ("misfit", "largest lack of fit of the emulator, in standard deviations of a summary or logarithms of a variance", ""),
-            inferred.misfit,
-            (0.0, 0.5),
-            "what a quadratic leaves of means, slopes and logarithms of variances beyond sampling",
-        ),
+        lines
+            .of("r-hat", "largest rank-normalised split R-hat of all parameters and data sets")
+            .measured(most(|p| p.r_hat), (0.99, 1.01))
+            .because("Vehtari et al. 2021 ask for 1.01"),
+        lines
+            .of("effective-draws", "smallest bulk effective sample size")
+            .measured(least(|p| p.effective_sample_size), (400.0, 40_000.0))
+            .because("Vehtari et al. 2021 ask for 400 over four chains"),
+        lines
+            .of(
+                "likelihood-noise",
+                "median standard error of the log-likelihood at the posterior median, from finite ensembles",
+            )
+            .measured(noise[noise.len() / 2], (0.05, 1.5))
+            .because("where it is near one the posterior of a single emulator is too narrow; the mixture averages over it"),
+        lines
+            .of("least-share", "smallest share of realisations that have all summaries")
+            .measured(inferred.least_share, (0.5, 1.0))
+            .because("the likelihood is that of plates whose crack comes to all abscissae"),
+        lines
+            .of(
+                "misfit",
+                "largest lack of fit of the emulator, in standard deviations of a summary or logarithms of a variance",
+            )
+            .measured(inferred.misfit, (0.0, 0.5))
+            .because("what a quadratic leaves of means, slopes and logarithms of variances beyond sampling"),
     ]
 }
 
@@ -269,10 +256,7 @@ fn temperature(lines: &Lines<'_>, inferred: &Inferred) -> Claim {
     let of_kt =
         |posterior: &&Posterior| posterior.parameters()[2].verdict == Verdict::NotIdentified;
     let count = inferred.posteriors.iter().filter(of_kt).count();
-    lines.measured(
-        ("kt/not-identified", "of 20 data sets, those whose posterior says that kT is not identified", ""),
-        count as f64,
-        (15.0, 20.0),
-        "noise moves a crack by lattice spacings, disorder by the length of its correlation; a verdict is a threshold on a noisy contraction",
-    )
+    let quantity = "of 20 data sets, those whose posterior says that kT is not identified";
+    let reason = "noise moves a crack by lattice spacings, disorder by the length of its correlation; a verdict is a threshold on a noisy contraction";
+    lines.of("kt/not-identified", quantity).measured(count as f64, (15.0, 20.0)).because(reason)
 }

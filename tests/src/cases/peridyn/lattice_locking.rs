@@ -6,21 +6,16 @@ use reference_problems::peridyn::notched_plate::{
     CORRELATION, Cause, NOTCH, NotchedPlate, StrengthLaw, Varies, three_shells,
 };
 use reference_problems::peridyn::sample::mean;
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/lattice-locking",
     title: "Cracks from an edge notch at one horizon: 3, 4 and 6 spacings in it, lattices rotated by 0 to 45 degrees, four kinds of random strength",
     source: "self-convergence: the material's scatter depends on neither spacing nor rotation",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const SEED: u64 = 7;
@@ -87,7 +82,7 @@ struct Scatter {
 }
 
 impl Scatter {
-    fn new(law: Law, (rows, rotation): (u32, f64), realisations: u64) -> Result<Self, CaseError> {
+    fn new(law: Law, (rows, rotation): (u32, f64), realisations: u64) -> CaseResult<Self> {
         let plate = NotchedPlate {
             rows,
             horizon: three_shells(32),
@@ -121,7 +116,7 @@ impl Scatter {
             three_shells(32) * f64::from(self.rows),
             self.heights.len()
         );
-        Lines { context, id, method }
+        context.lines(id, method)
     }
 }
 
@@ -146,7 +141,7 @@ fn lattices(law: Law, is_full: bool) -> Vec<(u32, f64)> {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let is_full = context.profile == Profile::Full;
     let realisations = if is_full { 128 } else { 64 };
     let mut all = Vec::new();
@@ -188,54 +183,39 @@ fn one_spread(
     context: &Context<'_>,
     (one, other): (&Scatter, &Scatter),
     id: &str,
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let ratio = bootstrap().ratio_of_deviations(&one.heights, &other.heights)?;
     let lines = one.lines(context, id);
     let quantity = format!(
         "ratio of standard deviations of heights, {} rows at {} degrees over {} rows at {}",
         one.rows, one.rotation, other.rows, other.rotation
     );
-    Ok(lines.judge_measured(
-        ("ratio", &quantity, ""),
-        ErrorKind::Absolute,
-        Measured::sampled(ratio.value, 0.25 * (ratio.high - ratio.low)),
-        Reference::exact(1.0),
-        Criterion::MonteCarlo {
-            bias_bound: 0.05,
-            reason: "strengths belong to boxes of the material: the spread is neither that of the spacing nor of the rotation; half of it is excluded",
-        },
-    ))
+    let value = Measured::sampled(ratio.value, 0.25 * (ratio.high - ratio.low));
+    let reason = "strengths belong to boxes of the material: the spread is neither that of the spacing nor of the rotation; half of it is excluded";
+    Ok(lines.of("ratio", &quantity).absolute(value, 1.0).monte_carlo(0.05).because(reason))
 }
 
 /// Independent bonds average out in a horizon.
 fn load_of_bonds(context: &Context<'_>, fine: &Scatter, coarse: &Scatter, is_full: bool) -> Claim {
-    let id = "bonds/load";
     let (a, b) = (fine.load, coarse.load);
     let relative = |of: Measured| of.standard_error.unwrap_or(f64::NAN) / of.value;
     let ratio = a.value / b.value;
     let error = ratio * relative(a).hypot(relative(b));
     let range = if is_full { (0.2, 0.5) } else { (0.4, 0.95) };
-    fine.lines(context, id).sampled(
-        (
-            "ratio",
-            "ratio of the coefficients of variation of the failure load, fine lattice over 32 rows",
-            "",
-        ),
-        Measured::sampled(ratio, error),
-        range,
-        "vanishes with the spacing: more bonds of one law in a horizon; strengths that belong to bonds are no material's",
-    )
+    let quantity =
+        "ratio of the coefficients of variation of the failure load, fine lattice over 32 rows";
+    let reason = "vanishes with the spacing: more bonds of one law in a horizon; strengths that belong to bonds are no material's";
+    let subject = fine.lines(context, "bonds/load").of("ratio", quantity);
+    subject.measured(Measured::sampled(ratio, error), range).because(reason)
 }
 
 /// A coarse lattice guides cracks along its rows.
 fn guided(context: &Context<'_>, scatter: &Scatter) -> Claim {
     let id = scatter.id();
-    scatter.lines(context, &id).sampled(
-        ("mean", "mean height of cracks, zero by the symmetry of the plate (widths of the plate)", ""),
-        mean(&scatter.heights),
-        (0.015, 0.07),
-        "locking: with three spacings in a horizon, a lattice that is rotated by 30 degrees turns cracks to one side",
-    )
+    scatter.lines(context, &id)
+        .of("mean", "mean height of cracks, zero by the symmetry of the plate (widths of the plate)")
+        .measured(mean(&scatter.heights), (0.015, 0.07))
+        .because("locking: with three spacings in a horizon, a lattice that is rotated by 30 degrees turns cracks to one side")
 }
 
 fn deviation(context: &Context<'_>, scatter: &Scatter) -> Claim {
@@ -246,10 +226,8 @@ fn deviation(context: &Context<'_>, scatter: &Scatter) -> Claim {
         Law::Blocks => (0.07, 0.13),
         Law::Nodes | Law::Field => (0.035, 0.09),
     };
-    scatter.lines(context, &id).sampled(
-        ("deviation", "standard deviation of the height of a crack at x = 0.65 (widths of the plate)", ""),
-        Measured::sampled(value, 0.25 * (high - low)),
-        range,
-        "four standard errors to both sides of what was seen on twelve lattices; standard error a quarter of the 95 % bootstrap interval",
-    )
+    let quantity = "standard deviation of the height of a crack at x = 0.65 (widths of the plate)";
+    let reason = "four standard errors to both sides of what was seen on twelve lattices; standard error a quarter of the 95 % bootstrap interval";
+    let subject = scatter.lines(context, &id).of("deviation", quantity);
+    subject.measured(Measured::sampled(value, 0.25 * (high - low)), range).because(reason)
 }

@@ -5,19 +5,15 @@ use random_fields::{Correlation, CorrelationFunction};
 use reference_problems::peridyn::nonlinear::{
     DoubleWell, Followed, GROUPS, Observable, expected, groups, sampled,
 };
-use result_figures::{ErrorKind, Measured, Reference};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/nonlinear-equilibrium",
     title: "Two nodes on bonds with two wells: moments of exp(-V/kT) and the probability of a well",
     source: "eq 4 of the note; quadrature of exp(-V/kT) over both displacements",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Wells at stretches of 0.3, a barrier of 1.5 kT and 0.8 kT between the wells.
@@ -39,7 +35,7 @@ const OF_WELLS: [Named; 4] = [
     }),
 ];
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let chain = groups()?;
     let correlation = Correlation { function: CorrelationFunction::Gaussian, length: 1.3 };
     let correlated = CorrelatedMobility { mobility: 1.0, correlation, nugget: 0.1 };
@@ -87,13 +83,8 @@ fn of_group(
 ) -> Vec<Claim> {
     let method = format!("{method}; {GROUPS} groups over 10,000 steps");
     let claim = |((&(name, quantity, _), &found), &exact): ((&Named, &Measured), &f64)| {
-        Claim::judge(
-            context.subject(&format!("{id}/{name}"), quantity, "", &method),
-            ErrorKind::Relative,
-            found,
-            Reference::exact(exact),
-            Criterion::MonteCarlo { bias_bound, reason },
-        )
+        let subject = context.subject(format!("{id}/{name}"), quantity, &method);
+        subject.relative(found, exact).monte_carlo(bias_bound).because(reason)
     };
     named.iter().zip(found).zip(exact).map(claim).collect()
 }

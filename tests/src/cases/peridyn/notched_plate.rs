@@ -4,22 +4,16 @@ use peridyn_sde::statistics::{Bootstrap, CrackEnsemble, Interval};
 use peridyn_sde::{Precision, Scheme};
 use reference_problems::peridyn::notched_plate::{Cause, NOTCH, NotchedPlate, three_shells};
 use reference_problems::peridyn::sample::mean;
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/notched-plate",
     title: "Cracks from an edge notch: what noise and random stiffness scatter, on lattices of 32, 64 and 128 rows",
     source: "self-convergence; white noise: sd in proportion to dx^0.9 (measured with a prototype)",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Where heights are compared (widths of the plate); the notch ends at 0.3.
@@ -85,7 +79,7 @@ struct Scatter {
 }
 
 impl Scatter {
-    fn new(family: Family, rows: u32, realisations: u64, seed: u64) -> Result<Self, CaseError> {
+    fn new(family: Family, rows: u32, realisations: u64, seed: u64) -> CaseResult<Self> {
         let ensemble = family.plate(rows).cracks(Precision::Single, realisations, seed)?;
         let heights = ensemble.heights(ABSCISSA);
         let deviation = bootstrap().deviation(&heights)?;
@@ -114,7 +108,7 @@ impl Scatter {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let sizes: &[(u32, u64)] = if context.profile == Profile::Full {
         &[(32, 200), (64, 200), (128, 64)]
     } else {
@@ -160,7 +154,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// An ensemble in parts whose sizes are no multiples of the lanes.
-fn in_shards(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn in_shards(context: &Context<'_>) -> CaseResult<Claim> {
     context.progress("shards");
     let (plate, count) = (Family::White.plate(24), 40);
     let whole = plate.run(Precision::Single, 0..count, SEED)?;
@@ -174,12 +168,13 @@ fn in_shards(context: &Context<'_>) -> Result<Claim, CaseError> {
         + whole.loads.iter().zip(&parts.loads).filter(|(a, b)| a != b).count()
         + usize::from(whole.damage != parts.damage)
         + usize::from(whole.broken != parts.broken);
-    let quantity = "paths, load curves and maps that differ from those of one run";
     let method = "40 realisations of 24 rows in white noise, f32, in three ranges run from the last to the first and joined";
-    let subject = context.subject("shards", quantity, "", method);
-    let reason =
-        "noise is a function of seed, realisation and step; lanes do not know of each other";
-    Ok(Claim::same_bits(subject, n_different, 2 * whole.records.len() + 2, reason))
+    Ok(context
+        .subject("shards", "paths, load curves and maps that differ from those of one run", method)
+        .same_bits(n_different, 2 * whole.records.len() + 2)
+        .because(
+            "noise is a function of seed, realisation and step; lanes do not know of each other",
+        ))
 }
 
 fn bootstrap() -> Bootstrap {
@@ -187,7 +182,7 @@ fn bootstrap() -> Bootstrap {
 }
 
 fn lines<'a>(context: &'a Context<'a>, id: &'a str, family: Family, paths: &str) -> Lines<'a> {
-    Lines { context, id, method: format!("{}; f32, {paths}", family.method()) }
+    context.lines(id, format!("{}; f32, {paths}", family.method()))
 }
 
 fn deviation(context: &Context<'_>, scatter: &Scatter) -> Claim {
@@ -197,28 +192,19 @@ fn deviation(context: &Context<'_>, scatter: &Scatter) -> Claim {
     let quantity =
         format!("standard deviation of the height of a crack at x = {ABSCISSA}, over dx");
     if family == Family::White {
-        return Claim::judge(
-            context.subject(&format!("{id}/deviation"), &quantity, "", &lines.method),
-            ErrorKind::Relative,
-            scatter.spacings(),
-            Reference::exact(1.3),
-            Criterion::MonteCarlo {
-                bias_bound: 0.1,
-                reason: "the mesh sets it: about 1.3 spacings at this noise, on every mesh (measured with a prototype)",
-            },
-        );
+        return context
+            .subject(format!("{id}/deviation"), &quantity, &lines.method)
+            .relative(scatter.spacings(), 1.3)
+            .monte_carlo(0.1)
+            .because("the mesh sets it: about 1.3 spacings at this noise, on every mesh (measured with a prototype)");
     }
     let (least, most) = match (family, rows) {
         (Family::Local, ..=64) => (2.1, 4.0),
         (Family::Local, _) => (2.5, 5.5),
         _ => (0.08 * f64::from(rows), 0.13 * f64::from(rows)),
     };
-    lines.sampled(
-        ("deviation", &quantity, ""),
-        scatter.spacings(),
-        (least, most),
-        "four standard errors to both sides of what was seen; standard error a quarter of the 95 % bootstrap interval",
-    )
+    let reason = "four standard errors to both sides of what was seen; standard error a quarter of the 95 % bootstrap interval";
+    lines.of("deviation", &quantity).measured(scatter.spacings(), (least, most)).because(reason)
 }
 
 /// Of all ensembles: none broke elsewhere, and how many came to where heights are compared.
@@ -234,30 +220,23 @@ fn outcomes(context: &Context<'_>, all: &[Scatter]) -> [Claim; 3] {
         let worst = if scatter.family == Family::White { &mut white } else { &mut short };
         worst.take(missing, &scatter.place());
     }
-    let lines = |worst: &Worst, what: &str| Lines { context, id: "", method: worst.method(what) };
+    let lines = |worst: &Worst, what: &str| context.lines("", worst.method(what));
     [
-        lines(&elsewhere, "all ensembles, 32 realisations or more").bounded(
-            (
+        lines(&elsewhere, "all ensembles, 32 realisations or more")
+            .of(
                 "elsewhere",
                 "largest share of realisations that broke at the prescribed edges, fell apart or failed",
-                "",
-            ),
-            elsewhere.value(),
-            0.02,
-            "statistics: no bond breaks near the prescribed edges, and no plate fell apart; one of 64 or more may",
-        ),
-        lines(&white, "white noise, all lattices").bounded(
-            ("short/white-noise", "largest share of cracks that end before the abscissa", ""),
-            white.value(),
-            0.02,
-            "statistics: the plate is pulled until it is through; one of 64 may not be",
-        ),
-        lines(&short, "random stiffness, all lattices and horizons").measured(
-            ("short/stiffness", "largest share of cracks that end before the abscissa", ""),
-            short.value(),
-            (0.15, 0.5),
-            "cracks arrest where the plate is soft, or do not start where it is soft around the notch: heights are of the others, and more arrest the smaller the horizon",
-        ),
+            )
+            .bounded(elsewhere.value(), 0.02)
+            .because("statistics: no bond breaks near the prescribed edges, and no plate fell apart; one of 64 or more may"),
+        lines(&white, "white noise, all lattices")
+            .of("short/white-noise", "largest share of cracks that end before the abscissa")
+            .bounded(white.value(), 0.02)
+            .because("statistics: the plate is pulled until it is through; one of 64 may not be"),
+        lines(&short, "random stiffness, all lattices and horizons")
+            .of("short/stiffness", "largest share of cracks that end before the abscissa")
+            .measured(short.value(), (0.15, 0.5))
+            .because("cracks arrest where the plate is soft, or do not start where it is soft around the notch: heights are of the others, and more arrest the smaller the horizon"),
     ]
 }
 
@@ -267,7 +246,7 @@ fn between(
     family: Family,
     coarse: &Scatter,
     fine: &Scatter,
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let id = format!("{}/n-{}-over-n-{}/ratio", family.id(), fine.rows, coarse.rows);
     let paths = format!("{} and {} realisations", fine.count(), coarse.count());
     let method = lines(context, &id, family, &paths).method;
@@ -289,23 +268,14 @@ fn between(
             "vanishes with the horizon, which shrinks with the lattice: a smooth field turns a crack by what a horizon sees of it; a spread that stays is excluded",
         ),
     };
-    Ok(Claim::judge(
-        context.subject(&id, "ratio of standard deviations, fine over coarse", "", &method),
-        ErrorKind::Absolute,
-        Measured::sampled(ratio.value, 0.25 * (ratio.high - ratio.low)),
-        Reference::exact(expected),
-        Criterion::MonteCarlo { bias_bound, reason },
-    ))
+    let value = Measured::sampled(ratio.value, 0.25 * (ratio.high - ratio.low));
+    let subject = context.subject(&id, "ratio of standard deviations, fine over coarse", &method);
+    Ok(subject.absolute(value, expected).monte_carlo(bias_bound).because(reason))
 }
 
 /// Information of cracks about the horizon: two horizons on one lattice, in one field, at one energy release rate.
-fn horizon(
-    context: &Context<'_>,
-    half: &Scatter,
-    whole: &Scatter,
-) -> Result<[Claim; 2], CaseError> {
+fn horizon(context: &Context<'_>, half: &Scatter, whole: &Scatter) -> CaseResult<[Claim; 2]> {
     let ratio = bootstrap().ratio_of_deviations(&whole.heights, &half.heights)?;
-    let exponent = Measured::sampled(ratio.value.log2(), 0.25 * (ratio.high / ratio.low).log2());
     let method = format!(
         "stiffness lognormal, coefficient of variation 0.5, length 0.283; horizons 0.0942 and 0.0471 on 64 rows, {} and {} realisations",
         whole.count(),
@@ -315,36 +285,36 @@ fn horizon(
     let (mean_large, mean_small) = (mean(&large), mean(&small));
     let spread = bootstrap().deviation(&large)?.value;
     let error = |mean: Measured| mean.standard_error.unwrap_or(f64::NAN);
-    let shift = Measured::sampled(
+    Ok([
+        context
+            .subject(
+                "horizon/spread-exponent",
+                "d ln(standard deviation of heights)/d ln(horizon)",
+                &method,
+            )
+            .absolute(
+                Measured::sampled(ratio.value.log2(), 0.25 * (ratio.high / ratio.low).log2()),
+                1.0,
+            )
+            .monte_carlo(0.1)
+            .because("the horizon can be inferred from the spread of paths, to which it is in proportion: n plates determine it to 1/sqrt(2 n); no influence, 0, is excluded"),
+        context
+            .subject(
+                "horizon/load-shift",
+                "mean logarithm of the failure load at twice the horizon less that at the horizon, over the standard deviation of one plate",
+                &method,
+            )
+            .absolute(Measured::sampled(
         (mean_large.value - mean_small.value) / spread,
         error(mean_large).hypot(error(mean_small)) / spread,
-    );
-    Ok([
-        Claim::judge(
-            context.subject("horizon/spread-exponent", "d ln(standard deviation of heights)/d ln(horizon)", "", &method),
-            ErrorKind::Absolute,
-            exponent,
-            Reference::exact(1.0),
-            Criterion::MonteCarlo {
-                bias_bound: 0.1,
-                reason: "the horizon can be inferred from the spread of paths, to which it is in proportion: n plates determine it to 1/sqrt(2 n); no influence, 0, is excluded",
-            },
-        ),
-        Claim::judge(
-            context.subject("horizon/load-shift", "mean logarithm of the failure load at twice the horizon less that at the horizon, over the standard deviation of one plate", "", &method),
-            ErrorKind::Absolute,
-            shift,
-            Reference::exact(0.0),
-            Criterion::MonteCarlo {
-                bias_bound: 0.3,
-                reason: "the horizon cannot be inferred from one load: with a horizon that is small beside the notch the energy release rate alone sets it; here it is a third of the notch and less",
-            },
-        ),
+    ), 0.0)
+            .monte_carlo(0.3)
+            .because("the horizon cannot be inferred from one load: with a horizon that is small beside the notch the energy release rate alone sets it; here it is a third of the notch and less"),
     ])
 }
 
 /// The failure loads of two independent ensembles of one plate.
-fn loads(context: &Context<'_>, one: &Scatter, other: &Scatter) -> Result<[Claim; 2], CaseError> {
+fn loads(context: &Context<'_>, one: &Scatter, other: &Scatter) -> CaseResult<[Claim; 2]> {
     let (ours, theirs) = (one.loads(), other.loads());
     let method = format!(
         "{}, 32 rows; f32, {} and {} realisations of two seeds",
@@ -352,21 +322,19 @@ fn loads(context: &Context<'_>, one: &Scatter, other: &Scatter) -> Result<[Claim
         ours.len(),
         theirs.len()
     );
-    let of_deviation = |loads: &[f64]| -> Result<Measured, CaseError> {
+    let of_deviation = |loads: &[f64]| -> CaseResult<Measured> {
         let found = bootstrap().deviation(loads)?;
         Ok(Measured::sampled(found.value, 0.25 * (found.high - found.low)))
     };
     let claim = |name: &str, quantity: &str, found: Measured, expected: Measured| {
-        Claim::judge(
-            context.subject(&format!("failure-load/{name}"), quantity, "", &method),
-            ErrorKind::Absolute,
-            found,
-            Reference::uncertain(expected.value, expected.standard_error.unwrap_or(f64::NAN)),
-            Criterion::MonteCarlo {
-                bias_bound: 0.0,
-                reason: "two samples of one distribution: fields and their order are drawn from the seed alone",
-            },
-        )
+        context
+            .subject(format!("failure-load/{name}"), quantity, &method)
+            .absolute(
+                found,
+                Reference::uncertain(expected.value, expected.standard_error.unwrap_or(f64::NAN)),
+            )
+            .monte_carlo(0.0)
+            .because("two samples of one distribution: fields and their order are drawn from the seed alone")
     };
     Ok([
         claim("mean", "mean logarithm of the failure load", mean(&ours), mean(&theirs)),
@@ -380,7 +348,7 @@ fn loads(context: &Context<'_>, one: &Scatter, other: &Scatter) -> Result<[Claim
 }
 
 /// With a millionth of `kT` cracks do not scatter.
-fn cold(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn cold(context: &Context<'_>) -> CaseResult<Claim> {
     context.progress("a millionth of kT");
     let cause = Cause::WhiteNoise { ratio: 1e3 * RATIO, scheme: Scheme::EulerMaruyama, z: 0.9 };
     let plate =
@@ -388,11 +356,8 @@ fn cold(context: &Context<'_>) -> Result<Claim, CaseError> {
     let heights = plate.cracks(Precision::Single, 64, SEED)?.heights(ABSCISSA);
     let deviation = 32.0 * bootstrap().deviation(&heights)?.value;
     let method = "white noise, s0/sigma = 10,000, 32 rows, otherwise as above, 64 realisations";
-    let lines = Lines { context, id: "white-noise/cold", method: method.into() };
-    Ok(lines.bounded(
-        ("deviation", "standard deviation of the height of a crack, over dx", ""),
-        deviation,
-        5e-3,
-        "all cracks take the path without noise: what scatters them is the noise and not only the mesh",
-    ))
+    let lines = context.lines("white-noise/cold", method);
+    let reason = "all cracks take the path without noise: what scatters them is the noise and not only the mesh";
+    let subject = lines.of("deviation", "standard deviation of the height of a crack, over dx");
+    Ok(subject.bounded(deviation, 5e-3).because(reason))
 }

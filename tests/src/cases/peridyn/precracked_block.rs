@@ -6,17 +6,14 @@ use peridyn_sde::{
 };
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/precracked-block",
     title: "A block with a notch through half of it: lattice against bond list, threads, restart",
     source: "symmetry of the block; two implementations of one law",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// In spacings.
@@ -42,7 +39,7 @@ struct Pulled {
 }
 
 impl Block {
-    fn new() -> Result<Self, CaseError> {
+    fn new() -> CaseResult<Self> {
         let nodes = Nodes::lattice(1.0, ([0.0; 3], SIZE), Condition::Solid, |_| true)?;
         let config = BondConfig::uncorrected(Horizon::of_shells(3, 1.0)?, 1.0);
         let bonds = Bonds::new(&nodes, &config)?;
@@ -53,12 +50,12 @@ impl Block {
         Ok(Self { nodes, bonds, cut })
     }
 
-    fn lattice(&self) -> Result<LatticeBody<f64, 3>, CaseError> {
+    fn lattice(&self) -> CaseResult<LatticeBody<f64, 3>> {
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
         Ok(LatticeBody::new(nodes, bonds, Strain::Finite, STRENGTH)?)
     }
 
-    fn list(&self) -> Result<BondList<f64, 3, 1>, CaseError> {
+    fn list(&self) -> CaseResult<BondList<f64, 3, 1>> {
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
         let strengths = vec![STRENGTH; bonds.len()];
         Ok(BondList::new(nodes, bonds, Strain::Finite, &strengths)?)
@@ -67,7 +64,7 @@ impl Block {
     fn simulation(
         &self,
         body: impl Body<f64, 3, 1> + 'static,
-    ) -> Result<Simulation<f64, 3, 1>, CaseError> {
+    ) -> CaseResult<Simulation<f64, 3, 1>> {
         let x = self.nodes.positions();
         let layers = |inside: &dyn Fn(f64) -> bool| {
             (0..x.len()).filter(|&node| inside(x[node][2])).collect::<Vec<usize>>()
@@ -91,12 +88,12 @@ impl Block {
         Ok(run)
     }
 
-    fn pulled(&self, body: impl Body<f64, 3, 1> + 'static) -> Result<Pulled, CaseError> {
+    fn pulled(&self, body: impl Body<f64, 3, 1> + 'static) -> CaseResult<Pulled> {
         Self::finished(self.simulation(body)?, 0)
     }
 
     /// The same, put away in the middle and taken up by another simulation.
-    fn restarted(&self) -> Result<Pulled, CaseError> {
+    fn restarted(&self) -> CaseResult<Pulled> {
         let mut first = self.simulation(self.lattice()?)?;
         let mut breaks = Vec::new();
         for _ in 0..N_STEPS / 2 {
@@ -113,7 +110,7 @@ impl Block {
         Ok(pulled)
     }
 
-    fn finished(mut run: Simulation<f64, 3, 1>, done: u32) -> Result<Pulled, CaseError> {
+    fn finished(mut run: Simulation<f64, 3, 1>, done: u32) -> CaseResult<Pulled> {
         let mut breaks = Vec::new();
         for _ in done..N_STEPS {
             let report = run.step()?;
@@ -125,12 +122,12 @@ impl Block {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let block = Block::new()?;
     let method = format!(
         "28 x 12 x 16 nodes, horizon 3.015 dx, f64, velocity Verlet, {N_STEPS} steps, nu = 1/4"
     );
-    let lines = Lines { context, id: "", method };
+    let lines = context.lines("", method);
     let (lattice, list) = (block.pulled(block.lattice()?)?, block.pulled(block.list()?)?);
     let mut claims = against_list(&lines, &lattice, &list);
     for threads in [1, 2, 8] {
@@ -150,8 +147,11 @@ fn same(lines: &Lines<'_>, id: &str, (one, other): (&Pulled, &Pulled), reason: &
     let (ours, theirs) = (one.u.as_flattened(), other.u.as_flattened());
     let n_different =
         ours.iter().zip(theirs).filter(differ).count() + usize::from(one.breaks != other.breaks);
-    let subject = lines.context.subject(id, quantity, "", &lines.method);
-    Claim::same_bits(subject, n_different, ours.len() + 1, reason)
+    lines
+        .context
+        .subject(id, quantity, &lines.method)
+        .same_bits(n_different, ours.len() + 1)
+        .because(reason)
 }
 
 fn against_list(lines: &Lines<'_>, lattice: &Pulled, list: &Pulled) -> Vec<Claim> {
@@ -163,23 +163,17 @@ fn against_list(lines: &Lines<'_>, lattice: &Pulled, list: &Pulled) -> Vec<Claim
     let largest = lattice.u.as_flattened().iter().fold(0.0, |most: f64, u| most.max(u.abs()));
     let apart = both.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     vec![
-        lines.measured(
-            ("broken", "bonds that broke", ""),
-            lattice.breaks.len() as f64,
-            (8900.0, 9400.0),
-            "enough of them that the claims below can fail",
-        ),
-        lines.bounded(
-            ("breaks-of-list", "breaks, bond and step, of the lattice or the bond list alone", ""),
-            differ,
-            0.0,
-            "both add the same forces in another order, 1e-15 of the largest",
-        ),
-        lines.bounded(
-            ("displacements-of-list", "largest difference of displacements, over the largest", ""),
-            apart / largest,
-            1e-13,
-            "roundoff: 1e-16 of each step over 390 of them, in which the crack does not make it grow much",
-        ),
+        lines
+            .of("broken", "bonds that broke")
+            .measured(lattice.breaks.len() as f64, (8900.0, 9400.0))
+            .because("enough of them that the claims below can fail"),
+        lines
+            .of("breaks-of-list", "breaks, bond and step, of the lattice or the bond list alone")
+            .bounded(differ, 0.0)
+            .because("both add the same forces in another order, 1e-15 of the largest"),
+        lines
+            .of("displacements-of-list", "largest difference of displacements, over the largest")
+            .bounded(apart / largest, 1e-13)
+            .because("roundoff: 1e-16 of each step over 390 of them, in which the crack does not make it grow much"),
     ]
 }

@@ -3,17 +3,14 @@
 use peridyn_sde::EquilibriumConfig;
 use reference_problems::peridyn::slow_plate::{Pulled, SlowPlate};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/quasi-static",
     title: "A notched plate with a hole, pulled to failure event by event, in load steps, and by slow explicit steps",
     source: "the crate's explicit overdamped run; work = stored + released energy",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const EVENTS: EquilibriumConfig = EquilibriumConfig::EVENT_BY_EVENT;
@@ -34,7 +31,7 @@ const BATCHES: [Batch; 2] = [
     Batch { name: "batch-0.05", part: 0.05, path: (0.5, 1.6), peak: (0.03, 0.08) },
 ];
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = small(context)?;
     if context.profile == Profile::Full {
         claims.extend(large(context)?);
@@ -49,7 +46,7 @@ const A_SPACING: &str =
     "a spacing, as asked: a path is read from the damage of nodes that are a spacing apart";
 
 /// One bond at a time, against two explicit runs and against batches.
-fn small(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn small(context: &Context<'_>) -> CaseResult {
     let plate = SlowPlate::new(64)?;
     context.progress("64 x 64 nodes, event by event");
     let reference = plate.by_events(EVENTS)?;
@@ -58,75 +55,59 @@ fn small(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let (fast, slow) = (fast?, slow?);
     let lines = lines(context, "n-64", 64, "one bond at a time");
     // A residual above its tolerance is an error of the solver, so nothing is claimed of it.
-    let mut claims = vec![lines.bounded(
-        (
-            "balance",
-            "work of the reactions less stored and released energy, over the work, at its largest",
-            "",
-        ),
-        reference.imbalance.ok_or("no bond broke")?,
-        1.5e-8,
-        "the residual of each equilibrium is 1e-8 of the reaction",
-    )];
-    claims.push(lines.bounded(
-        ("path/explicit", &format!("{PATH}, against 80,000 explicit overdamped steps"), ""),
-        apart(&plate, &reference, &slow)?,
-        1.0,
-        A_SPACING,
-    ));
-    claims.push(lines.relative(
-        ("peak/explicit", "largest load, against explicit runs of 20,000 and 80,000 steps, extrapolated to infinitely many", ""),
-        reference.peak,
-        slow.peak + (slow.peak - fast.peak) / 3.0,
-        0.01,
-        "the load lags behind in proportion to the rate, and the extrapolation takes off 2.2 % of it: a third of that is left, and what the loads of an explicit run, every 16 steps, miss",
-    ));
+    let mut claims = vec![
+        lines
+            .of(
+                "balance",
+                "work of the reactions less stored and released energy, over the work, at its largest",
+            )
+            .bounded(reference.imbalance.ok_or("no bond broke")?, 1.5e-8)
+            .because("the residual of each equilibrium is 1e-8 of the reaction"),
+    ];
+    let quantity = format!("{PATH}, against 80,000 explicit overdamped steps");
+    let subject = lines.of("path/explicit", quantity);
+    claims.push(subject.bounded(apart(&plate, &reference, &slow)?, 1.0).because(A_SPACING));
+    let quantity = "largest load, against explicit runs of 20,000 and 80,000 steps, extrapolated to infinitely many";
+    let reason = "the load lags behind in proportion to the rate, and the extrapolation takes off 2.2 % of it: a third of that is left, and what the loads of an explicit run, every 16 steps, miss";
+    let subject = lines.of("peak/explicit", quantity);
+    let compared = subject.relative(reference.peak, slow.peak + (slow.peak - fast.peak) / 3.0);
+    claims.push(compared.within(0.01).because(reason));
     for Batch { name, part: batch, path, peak } in BATCHES {
         context.progress(&format!("64 x 64 nodes, {name}"));
         let found = plate.by_events(EquilibriumConfig { batch, ..EVENTS })?;
         let id = format!("n-64/{name}");
         let lines = self::lines(context, &id, 64, &format!("batch {batch}"));
         let reason = "bonds that break together would not all break if the first were let go alone";
-        claims.push(lines.measured(
-            ("path", &format!("{PATH}, against one bond at a time"), ""),
-            apart(&plate, &found, &reference)?,
-            path,
-            reason,
-        ));
-        claims.push(lines.measured(
-            ("peak", "largest load over that one bond at a time, less one", ""),
-            found.peak / reference.peak - 1.0,
-            peak,
-            reason,
-        ));
+        let subject = lines.of("path", format!("{PATH}, against one bond at a time"));
+        claims.push(subject.measured(apart(&plate, &found, &reference)?, path).because(reason));
+        let subject = lines.of("peak", "largest load over that one bond at a time, less one");
+        claims.push(subject.measured(found.peak / reference.peak - 1.0, peak).because(reason));
     }
     Ok(claims)
 }
 
 /// One bond at a time, against an explicit run that is too fast. A spacing was asked for: 1,280,000 steps, for the slowest mode as
 /// slow as 80,000 on 64 x 64 nodes, end 1.4 spacings off.
-fn large(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn large(context: &Context<'_>) -> CaseResult {
     let plate = SlowPlate::new(256)?;
     context.progress("256 x 256 nodes, event by event");
     let found = plate.by_events(EquilibriumConfig { tolerance: 1e-6, ..EVENTS })?;
     context.progress("256 x 256 nodes, explicit steps");
     let explicit = plate.explicit(320_000)?;
     let lines = lines(context, "n-256", 256, "one bond at a time, tolerance 1e-6");
-    Ok(vec![lines.measured(
-        ("path/explicit", &format!("{PATH}, against 320,000 explicit overdamped steps"), ""),
-        apart(&plate, &found, &explicit)?,
-        (0.8, 2.3),
-        "3.0, 1.5 and 1.4 spacings from 80,000, 320,000 and 1,280,000 steps, whose peaks are 75, 18 and 4 % higher",
-    )])
+    let quantity = format!("{PATH}, against 320,000 explicit overdamped steps");
+    let reason = "3.0, 1.5 and 1.4 spacings from 80,000, 320,000 and 1,280,000 steps, whose peaks are 75, 18 and 4 % higher";
+    let subject = lines.of("path/explicit", quantity);
+    Ok(vec![subject.measured(apart(&plate, &found, &explicit)?, (0.8, 2.3)).because(reason)])
 }
 
 fn lines<'a>(context: &'a Context<'a>, id: &'a str, n: usize, how: &str) -> Lines<'a> {
     let method =
         format!("{n} x {n} nodes, horizon 3.015 dx, linear strains, event by event, {how}");
-    Lines { context, id, method }
+    context.lines(id, method)
 }
 
-fn apart(plate: &SlowPlate, one: &Pulled, two: &Pulled) -> Result<f64, CaseError> {
+fn apart(plate: &SlowPlate, one: &Pulled, two: &Pulled) -> CaseResult<f64> {
     let (Some(one), Some(two)) = (&one.path, &two.path) else {
         return Err("no crack grew from the notch".into());
     };

@@ -5,23 +5,17 @@ use peridyn_sde::{
     Program, Scheme, Simulation, SimulationConfig, Strain, crack_path,
 };
 use reference_problems::peridyn::sample::mean;
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::Noise;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::claim::Criterion;
+use crate::cases::prelude::*;
 use crate::peridyn::plate::{Cracked, Plate};
-use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/two-notches",
     title: "A symmetric plate with two notches, pulled slowly: with noise each crack is as likely to win",
     source: "symmetry: exactly 1/2 with noise, equal cracks without",
     cost: Profile::Full,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Of the mean strain to the critical stretch at the end.
@@ -48,7 +42,7 @@ struct Symmetric {
 }
 
 impl Symmetric {
-    fn new(rows: u32, n_steps: u32) -> Result<Self, CaseError> {
+    fn new(rows: u32, n_steps: u32) -> CaseResult<Self> {
         let spacing = 1.0 / f64::from(rows);
         // Strains of 1e-3, small beside one.
         let plate = Plate {
@@ -76,7 +70,7 @@ impl Symmetric {
     }
 
     /// `kT` at which the stretch of a bond of the length `dx` has the standard deviation `s_0/ratio`, were all bonds alike.
-    fn temperature(&self) -> Result<f64, CaseError> {
+    fn temperature(&self) -> CaseResult<f64> {
         let n_unknowns = 2.0 * self.free.iter().filter(|&&free| free).count() as f64;
         let share = self.bonds.len() as f64 / n_unknowns;
         let stiffness = self.bonds.all()[0].stiffness;
@@ -88,7 +82,7 @@ impl Symmetric {
         (dt, temperature): (f64, f64),
         loading: Loading<2>,
         first: u64,
-    ) -> Result<Simulation<f32, 2, L>, CaseError> {
+    ) -> CaseResult<Simulation<f32, 2, L>> {
         let strengths = vec![self.plate.strength()?; self.bonds.len()];
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
         let body = BondList::<f32, 2, L>::new(nodes, bonds, Strain::Finite, &strengths)?;
@@ -110,7 +104,7 @@ impl Symmetric {
         &self,
         temperature: f64,
         first: u64,
-    ) -> Result<Vec<Vec<(usize, f64)>>, CaseError> {
+    ) -> CaseResult<Vec<Vec<(usize, f64)>>> {
         let still = || Loading::new(self.nodes.positions().len());
         let small = 1e-9;
         let patch = self.simulation::<L>((small, 0.0), still().hold(&self.grips)?, first)?;
@@ -136,7 +130,7 @@ impl Symmetric {
     }
 
     /// Of both cracks, zero for none.
-    fn lengths(&self, breaks: &[(usize, f64)]) -> Result<[f64; 2], CaseError> {
+    fn lengths(&self, breaks: &[(usize, f64)]) -> CaseResult<[f64; 2]> {
         let mut broken = vec![false; self.bonds.len()];
         for (bond, _) in breaks {
             broken[*bond] = true;
@@ -152,7 +146,7 @@ impl Symmetric {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     let (mut asymmetry, mut difference) = (Worst::default(), Worst::default());
     for (rows, n_steps, batches) in [(32, 2500, 32), (64, 2500, 8)] {
@@ -164,20 +158,15 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         claims.extend(with_noise(context, &format!("n-{rows}"), &plate, batches)?);
     }
     let method = "32 and 64 rows, f32, overdamped, 2500 steps with predictor, no noise";
-    let lines =
-        |worst: &Worst| Lines { context, id: "without-noise", method: worst.method(method) };
-    claims.push(lines(&asymmetry).bounded(
-        ("asymmetry", "share of broken bonds whose image did not break in the same step", ""),
-        asymmetry.value(),
-        0.01,
-        "roundoff: both cracks are images of each other; in f32, 1e-6 of a stretch may move a break by a step, and with it some of hundreds",
-    ));
-    claims.push(lines(&difference).bounded(
-        ("difference", "length of the upper crack less that of the lower, in horizons", ""),
-        difference.value(),
-        1e-12,
-        "roundoff: equal; the fit of the paths sums tens of numbers in another order",
-    ));
+    let lines = |worst: &Worst| context.lines("without-noise", worst.method(method));
+    let quantity = "share of broken bonds whose image did not break in the same step";
+    let reason = "roundoff: both cracks are images of each other; in f32, 1e-6 of a stretch may move a break by a step, and with it some of hundreds";
+    let claim = lines(&asymmetry).of("asymmetry", quantity).bounded(asymmetry.value(), 0.01);
+    claims.push(claim.because(reason));
+    let quantity = "length of the upper crack less that of the lower, in horizons";
+    let reason = "roundoff: equal; the fit of the paths sums tens of numbers in another order";
+    let claim = lines(&difference).of("difference", quantity).bounded(difference.value(), 1e-12);
+    claims.push(claim.because(reason));
     Ok(claims)
 }
 
@@ -196,7 +185,7 @@ struct Still {
     difference: f64,
 }
 
-fn without_noise(plate: &Symmetric) -> Result<Still, CaseError> {
+fn without_noise(plate: &Symmetric) -> CaseResult<Still> {
     let breaks = plate.pulled::<1>(0.0, 0)?.swap_remove(0);
     let [upper, lower] = plate.lengths(&breaks)?;
     let horizon = plate.plate.horizon()?.radius();
@@ -205,7 +194,6 @@ fn without_noise(plate: &Symmetric) -> Result<Still, CaseError> {
         bonds: plate.bonds.clone(),
         cut: plate.cut.clone(),
         breaks,
-        damage: Vec::new(),
         horizon,
         n_steps: u64::from(plate.n_steps),
     };
@@ -217,7 +205,7 @@ fn with_noise(
     id: &str,
     plate: &Symmetric,
     batches: u64,
-) -> Result<[Claim; 2], CaseError> {
+) -> CaseResult<[Claim; 2]> {
     let temperature = plate.temperature()?;
     let mut lengths = Vec::new();
     for batch in 0..batches {
@@ -235,26 +223,18 @@ fn with_noise(
     let apart: Vec<f64> = lengths.iter().map(|[upper, lower]| (upper - lower).abs()).collect();
     let apart = mean(&apart);
     let what = format!("s0/sigma = {RATIO}, {n} realisations in lanes of {LANES}");
-    let lines = Lines { context, id, method: method(plate, &what) };
+    let lines = context.lines(id, method(plate, &what));
     let quantity = "share of realisations in which the upper crack is the longer";
-    let subject = context.subject(&format!("{id}/share"), quantity, "", &method(plate, &what));
-    let coin = Claim::judge(
-        subject,
-        ErrorKind::Absolute,
-        Measured::sampled(share, 0.5 / n.sqrt()),
-        Reference::exact(0.5),
-        Criterion::MonteCarlo {
-            bias_bound: 0.0,
-            reason: "symmetric in law; standard error of a fair coin, ties count half",
-        },
-    );
+    let coin = context
+        .subject(format!("{id}/share"), quantity, method(plate, &what))
+        .absolute(Measured::sampled(share, 0.5 / n.sqrt()), 0.5)
+        .monte_carlo(0.0)
+        .because("symmetric in law; standard error of a fair coin, ties count half");
     // Four standard errors to both sides of what was seen first.
     let (from, to) = if plate.plate.spacing > 0.02 { (0.49, 0.555) } else { (0.04, 0.074) };
-    let seen = lines.sampled(
-        ("difference", "mean difference of both lengths, over the width of the plate", ""),
-        apart,
-        (from, to),
-        "the coin falls: cracks are not equal, as they are without noise; on the finer plate, whose steps are as many, both cracks still grow at the end",
-    );
+    let seen = lines
+        .of("difference", "mean difference of both lengths, over the width of the plate")
+        .measured(apart, (from, to))
+        .because("the coin falls: cracks are not equal, as they are without noise; on the finer plate, whose steps are as many, both cracks still grow at the end");
     Ok([coin, seen])
 }

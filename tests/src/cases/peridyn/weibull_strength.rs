@@ -5,23 +5,18 @@ use peridyn_sde::{
     Program, Scheme, Simulation, SimulationConfig, Strain, StrengthElement, WeibullByVolume,
     WeibullStrength,
 };
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Noise, Purpose};
 use serde::Deserialize;
 
 use super::weibull_posterior::WeibullPosterior;
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "peridyn-sde/weibull-strength",
     title: "Measured strengths of carbon and glass fibres and of silicon nitride bars: parameters from one test, 90 % intervals of another",
     source: "Bader & Priest 1982; Smith & Naylor 1987; Jahanmir 1996, all as transcribed",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const SEED: u64 = 61;
@@ -79,7 +74,7 @@ struct Bar {
 }
 
 impl Bar {
-    fn new(links: u32) -> Result<Self, CaseError> {
+    fn new(links: u32) -> CaseResult<Self> {
         let spacing = f64::from(links + 1).recip();
         let bar = Condition::Bar { area: 1.0 };
         let nodes = Nodes::lattice(spacing, ([0.0], [1.0]), bar, |_| true)?;
@@ -89,18 +84,14 @@ impl Bar {
     }
 
     /// Strengths of its bonds. The modulus of a fibre cancels: a stress is written for its stretch.
-    fn strength(
-        &self,
-        (scale, modulus): (f64, f64),
-        ratio: f64,
-    ) -> Result<WeibullStrength, CaseError> {
+    fn strength(&self, (scale, modulus): (f64, f64), ratio: f64) -> CaseResult<WeibullStrength> {
         let element = StrengthElement::Bond;
         let law = WeibullByVolume { scale, modulus, reference_volume: ratio.recip(), element };
         Ok(WeibullStrength::new(&self.nodes, &self.bonds, law, 0)?)
     }
 
     /// The stretches at which eight bars break, in steps of `step`.
-    fn pull(&self, strengths: &[Vec<f64>], step: f64, n_steps: u32) -> Result<[f64; 8], CaseError> {
+    fn pull(&self, strengths: &[Vec<f64>], step: f64, n_steps: u32) -> CaseResult<[f64; 8]> {
         let (nodes, bonds) = (self.nodes.clone(), self.bonds.clone());
         let n = nodes.positions().len();
         let mut free = vec![true; n];
@@ -186,7 +177,7 @@ fn deviation(values: &[f64]) -> f64 {
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../reference/published/peridyn-sde/weibull_strength.json");
     let published: Published = serde_json::from_str(text)?;
     let CarbonFibre { gauge_10mm, gauge_20mm, maximum_likelihood } = &published.carbon_fibre;
@@ -202,7 +193,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             test.len(),
             measured.len()
         );
-        let lines = Lines { context, id, method };
+        let lines = context.lines(id, method);
         claims.extend(parameters(&lines, &prediction, fit));
         claims.extend(by_bonds(&lines, &prediction)?);
         claims.extend(against_measured(&lines, &prediction));
@@ -213,7 +204,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// Bars loaded in tension step by step.
-fn pulled(context: &Context<'_>, test: &[f64]) -> Result<Claim, CaseError> {
+fn pulled(context: &Context<'_>, test: &[f64]) -> CaseResult<Claim> {
     let posterior = WeibullPosterior::new(test);
     let (bar, parameters) = (Bar::new(20)?, (1e-3, posterior.modulus().0));
     let strength = bar.strength(parameters, 1.0)?;
@@ -233,26 +224,18 @@ fn pulled(context: &Context<'_>, test: &[f64]) -> Result<Claim, CaseError> {
         }
     }
     let method = "32 bars of 20 bonds, pulled by overdamped steps that follow the affine field";
-    let lines = Lines { context, id: "pulled", method: method.into() };
-    Ok(lines.bounded(
-        ("strain", "largest distance of the strain at which a bar breaks from half a step above that of its weakest bond", "steps"),
-        worst,
-        0.501,
-        "a bar in equilibrium has one stretch, so that it breaks in the step in which its weakest bond comes to its strength; roundoff and the square of the stretch",
-    ))
+    let lines = context.lines("pulled", method);
+    let quantity = "largest distance of the strain at which a bar breaks from half a step above that of its weakest bond";
+    let reason = "a bar in equilibrium has one stretch, so that it breaks in the step in which its weakest bond comes to its strength; roundoff and the square of the stretch";
+    Ok(lines.of("strain", quantity).unit("steps").bounded(worst, 0.501).because(reason))
 }
 
 fn parameters(lines: &Lines<'_>, prediction: &Prediction<'_>, fit: &Fit) -> [Claim; 2] {
-    let reason = "the mean of a posterior of n values and the maximum of the likelihood differ by the order of 1/n, here 1.5 % and less";
     let (modulus, scale) = (prediction.posterior.modulus(), prediction.posterior.scale());
     let of = |name: &str, quantity: &str, unit: &str, (mean, error): (f64, f64), exact: f64| {
-        lines.judge_measured(
-            (name, quantity, unit),
-            ErrorKind::Relative,
-            Measured::sampled(mean, error),
-            Reference::exact(exact),
-            Criterion::Within { tolerance: 0.03, reason },
-        )
+        let reason = "the mean of a posterior of n values and the maximum of the likelihood differ by the order of 1/n, here 1.5 % and less";
+        let subject = lines.of(name, quantity).unit(unit);
+        subject.relative(Measured::sampled(mean, error), exact).within(0.03).because(reason)
     };
     [
         of("modulus", "posterior mean of Weibull's modulus", "", modulus, fit.modulus),
@@ -261,7 +244,7 @@ fn parameters(lines: &Lines<'_>, prediction: &Prediction<'_>, fit: &Fit) -> [Cla
 }
 
 /// The predictive distribution of bars of bonds against that of the formula.
-fn by_bonds(lines: &Lines<'_>, prediction: &Prediction<'_>) -> Result<Vec<Claim>, CaseError> {
+fn by_bonds(lines: &Lines<'_>, prediction: &Prediction<'_>) -> CaseResult {
     let interval = prediction.interval();
     let mut claims = Vec::new();
     for links in LINKS {
@@ -280,16 +263,13 @@ fn by_bonds(lines: &Lines<'_>, prediction: &Prediction<'_>) -> Result<Vec<Claim>
         let n = SPECIMENS as f64;
         let error = (0.05 * 0.95 / n).sqrt();
         for (name, count) in [("below", below), ("above", above)] {
-            claims.push(lines.judge_measured(
-                (&format!("n-{links}/{name}"), &format!("share of {SPECIMENS} predicted bars of {links} bonds {name} the interval of the formula"), ""),
-                ErrorKind::Absolute,
-                Measured::sampled(count / n, error),
-                Reference::exact(0.05),
-                Criterion::MonteCarlo {
-                    bias_bound: 0.0,
-                    reason: "the weakest bond has the law of the volume of the bar, on every mesh",
-                },
-            ));
+            let quantity = format!(
+                "share of {SPECIMENS} predicted bars of {links} bonds {name} the interval of the formula"
+            );
+            let subject = lines.of(format!("n-{links}/{name}"), quantity);
+            let compared = subject.absolute(Measured::sampled(count / n, error), 0.05);
+            let reason = "the weakest bond has the law of the volume of the bar, on every mesh";
+            claims.push(compared.monte_carlo(0.0).because(reason));
         }
     }
     Ok(claims)
@@ -300,36 +280,24 @@ fn against_measured(lines: &Lines<'_>, prediction: &Prediction<'_>) -> [Claim; 3
     let rank = prediction.mean_rank(prediction.measured, prediction.ratio);
     let unscaled = prediction.mean_rank(prediction.measured, 1.0);
     [
-        lines.judge_measured(
-            ("coverage", "share of measured strengths inside the 90 % interval", ""),
-            ErrorKind::Absolute,
-            Measured::sampled(prediction.inside(), of_share),
-            Reference::exact(0.9),
-            Criterion::MonteCarlo {
-                bias_bound: 0.0,
-                reason: "nine of ten; standard error over repetitions of both tests",
-            },
-        ),
-        lines.judge_measured(
-            ("rank", "mean predicted probability to be weaker than the measured strengths", ""),
-            ErrorKind::Absolute,
-            Measured::sampled(rank, of_rank),
-            Reference::exact(0.5),
-            Criterion::MonteCarlo {
-                bias_bound: 0.0,
-                reason: "half, if the length acts by the weakest link; standard error over repetitions of both tests",
-            },
-        ),
-        lines.judge(
-            ("unscaled", "distance of that mean from one half without the scaling of length, in standard errors", ""),
-            ErrorKind::Absolute,
-            (unscaled - 0.5).abs() / of_rank,
-            Reference::exact(5.0),
-            Criterion::Within {
-                tolerance: 1.0,
-                reason: "statistics: no effect of the length is excluded at four standard errors or more",
-            },
-        ),
+        lines
+            .of("coverage", "share of measured strengths inside the 90 % interval")
+            .absolute(Measured::sampled(prediction.inside(), of_share), 0.9)
+            .monte_carlo(0.0)
+            .because("nine of ten; standard error over repetitions of both tests"),
+        lines
+            .of("rank", "mean predicted probability to be weaker than the measured strengths")
+            .absolute(Measured::sampled(rank, of_rank), 0.5)
+            .monte_carlo(0.0)
+            .because("half, if the length acts by the weakest link; standard error over repetitions of both tests"),
+        lines
+            .of(
+                "unscaled",
+                "distance of that mean from one half without the scaling of length, in standard errors",
+            )
+            .absolute((unscaled - 0.5).abs() / of_rank, 5.0)
+            .within(1.0)
+            .because("statistics: no effect of the length is excluded at four standard errors or more"),
     ]
 }
 
@@ -347,7 +315,7 @@ fn glass(context: &Context<'_>, all: &[f64]) -> Claim {
     }
     let method =
         format!("{HALVES} random halves of 63 fibres of one length; the other half predicted");
-    let lines = Lines { context, id: "glass-halves", method };
+    let lines = context.lines("glass-halves", method);
     let share = shares.iter().sum::<f64>() / HALVES as f64;
     coverage(&lines, share, all.len())
 }
@@ -362,34 +330,23 @@ fn silicon_nitride(context: &Context<'_>, laboratories: &[Vec<f64>]) -> [Claim; 
         shares.push(Prediction { posterior, measured: &measured, ratio: 1.0 }.inside());
     }
     let method = "30 bars of each of eight laboratories, the other 210 predicted; one size and one way of bending";
-    let lines = Lines { context, id: "silicon-nitride", method: method.into() };
+    let lines = context.lines("silicon-nitride", method);
     let share = shares.iter().sum::<f64>() / shares.len() as f64;
     let n = laboratories.iter().map(Vec::len).sum();
     let least = shares.iter().copied().fold(1.0, f64::min);
     [
         coverage(&lines, share, n),
-        lines.measured(
-            ("least", "share inside the interval of the laboratory whose interval holds the fewest", ""),
-            least,
-            (0.7, 0.9),
-            "laboratories differ by more than the scatter of 30 bars: the narrowest interval is too narrow for the others",
-        ),
+        lines
+            .of("least", "share inside the interval of the laboratory whose interval holds the fewest")
+            .measured(least, (0.7, 0.9))
+            .because("laboratories differ by more than the scatter of 30 bars: the narrowest interval is too narrow for the others"),
     ]
 }
 
 fn coverage(lines: &Lines<'_>, share: f64, n: usize) -> Claim {
-    lines.judge_measured(
-        (
-            "coverage",
-            "share of measured strengths inside the 90 % interval, mean over the predictions",
-            "",
-        ),
-        ErrorKind::Absolute,
-        Measured::sampled(share, (0.9 * 0.1 / n as f64).sqrt()),
-        Reference::exact(0.9),
-        Criterion::MonteCarlo {
-            bias_bound: 0.0,
-            reason: "nine of ten; binomial standard error of all specimens",
-        },
-    )
+    let quantity =
+        "share of measured strengths inside the 90 % interval, mean over the predictions";
+    let value = Measured::sampled(share, (0.9 * 0.1 / n as f64).sqrt());
+    let compared = lines.of("coverage", quantity).absolute(value, 0.9);
+    compared.monte_carlo(0.0).because("nine of ten; binomial standard error of all specimens")
 }

@@ -2,26 +2,22 @@
 
 use reference_problems::sde::problems::Cubic;
 use reference_problems::sde::reference::Explosion as Survey;
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{
     EnsembleConfig, EulerMaruyama, Increment, Integrator, Noise, Observable, SimdLevel,
     StochasticTheta, Study,
 };
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/explosion",
     title: "explosion of Euler-Maruyama on -X^3: the edge sqrt(2/h) without noise, fractions of paths with noise",
     source: "derived/sde/explosion.json, an independent code with 10,000 paths",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = edge_claims(context)?;
     let survey = Survey::read()?;
     for (sigma, dt, published) in survey.rows {
@@ -42,24 +38,20 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             let n = survey.paths as f64;
             if p * (1.0 - p) > 0.0 { (p * (1.0 - p) / n).sqrt() } else { 1.0 / n }
         };
-        let subject = context.subject(
-            &format!("fraction/sigma-{sigma}/h-{dt}"),
-            "fraction of paths that fail",
-            "",
-            "Euler-Maruyama, 10,000 paths from 0, T = 20; the independent code counts those beyond 1e10",
-        );
         let reason = "two independent samples of 10,000 paths";
-        let criterion = Criterion::MonteCarlo { bias_bound: 0.0, reason };
-        let measured = Measured::sampled(fraction, error(fraction));
+        let quantity = "fraction of paths that fail";
+        let method = "Euler-Maruyama, 10,000 paths from 0, T = 20; the independent code counts those beyond 1e10";
+        let value = Measured::sampled(fraction, error(fraction));
         let reference = Reference::uncertain(published, error(published));
-        claims.push(Claim::judge(subject, ErrorKind::Absolute, measured, reference, criterion));
+        let subject = context.subject(format!("fraction/sigma-{sigma}/h-{dt}"), quantity, method);
+        claims.push(subject.absolute(value, reference).monte_carlo(0.0).because(reason));
     }
     claims.push(survivors_claim(context)?);
     Ok(claims)
 }
 
 /// Without noise `|x|` grows where `|1 - h x^2| > 1`: from 0.99 of the edge the state decays, from 1.01 it leaves.
-fn edge_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn edge_claims(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     for dt in [0.2_f64, 0.05, 0.005] {
         for (share, stays) in [(0.99, true), (1.01, false)] {
@@ -74,23 +66,19 @@ fn edge_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                     &mut (),
                 )?;
             }
-            let subject = context.subject(
-                &format!("edge/h-{dt}/start-{share}"),
-                "the path is finite after 1000 steps (1 yes, 0 no)",
-                "",
-                "Euler-Maruyama without noise, start in units of sqrt(2/h)",
-            );
-            let finite = Measured::exact(f64::from(u8::from(x[0].is_finite())));
-            let expected = Reference::exact(f64::from(u8::from(stays)));
-            let criterion = Criterion::Within { tolerance: 0.0, reason: "yes or no" };
-            claims.push(Claim::judge(subject, ErrorKind::Absolute, finite, expected, criterion));
+            let quantity = "the path is finite after 1000 steps (1 yes, 0 no)";
+            let method = "Euler-Maruyama without noise, start in units of sqrt(2/h)";
+            let value = f64::from(u8::from(x[0].is_finite()));
+            let reference = f64::from(u8::from(stays));
+            let subject = context.subject(format!("edge/h-{dt}/start-{share}"), quantity, method);
+            claims.push(subject.absolute(value, reference).within(0.0).because("yes or no"));
         }
     }
     Ok(claims)
 }
 
 /// At the step where every path of Euler-Maruyama explodes, backward Euler loses none.
-fn survivors_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn survivors_claim(context: &Context<'_>) -> CaseResult<Claim> {
     let (system, dt) = (Cubic { intensity: 8.0 }, 0.1);
     let noise = Noise::new(44);
     let (mut lost_by_implicit, mut kept_by_explicit) = (0_u32, 0_u32);
@@ -105,13 +93,7 @@ fn survivors_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
         lost_by_implicit += u32::from(!implicit[0].is_finite());
         kept_by_explicit += u32::from(explicit[0].is_finite());
     }
-    let subject = context.subject(
-        "survivors",
-        "paths lost by backward Euler, plus those that Euler-Maruyama keeps",
-        "",
-        "sigma 8, h 0.1, 200 paths",
-    );
-    let criterion = Criterion::Within { tolerance: 0.0, reason: "a count" };
-    let wrong = Measured::exact(f64::from(lost_by_implicit + kept_by_explicit));
-    Ok(Claim::judge(subject, ErrorKind::Absolute, wrong, Reference::exact(0.0), criterion))
+    let quantity = "paths lost by backward Euler, plus those that Euler-Maruyama keeps";
+    let subject = context.subject("survivors", quantity, "sigma 8, h 0.1, 200 paths");
+    Ok(subject.bounded(f64::from(lost_by_implicit + kept_by_explicit), 0.0).because("a count"))
 }

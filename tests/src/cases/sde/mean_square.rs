@@ -3,22 +3,19 @@
 use reference_problems::sde::problems::Geometric;
 use reference_problems::sde::reference::MeanSquare;
 use reference_problems::sde::stability::{Formula, boundary, formula_boundary};
-use result_figures::ErrorKind;
 use sde_integrators::{
     DiagonalNoise, EulerMaruyama, Heun, Increment, Integrator, ItoForm, Milstein, Sde,
     StochasticTheta, StratonovichForm, StratonovichSde,
 };
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/mean-square-stability",
     title: "mean-square amplification and its boundary on the linear test equation, by quadrature; the Itô form of a random rotation",
     source: "Higham 2000; derived/sde/mean_square_stability.json",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// The worst error of the boundary of each method against its formula, and the worst of all against the survey.
@@ -38,7 +35,7 @@ impl Worst {
         found: f64,
         formula: Formula,
         published: Option<f64>,
-    ) -> Result<(), CaseError> {
+    ) -> CaseResult<()> {
         let expected = formula_boundary(ray, formula).ok_or("the formula has no boundary")?;
         let error = (found / expected - 1.0).abs();
         match self.formula.iter_mut().find(|(name, _)| name == id) {
@@ -61,7 +58,7 @@ fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let theta = StochasticTheta::new(0.25)?;
     let mut worst = Worst::default();
     let survey = MeanSquare::read()?;
@@ -88,7 +85,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(claims)
 }
 
-fn on_ray<I>(ray: f64, method: &I) -> Result<f64, CaseError>
+fn on_ray<I>(ray: f64, method: &I) -> CaseResult<f64>
 where
     I: Integrator<DiagonalNoise<Geometric>, 1, 1>,
 {
@@ -100,7 +97,7 @@ where
     boundary(ray, &step)?.ok_or_else(|| "no boundary below 10^4".into())
 }
 
-fn heun_on_ray(ray: f64) -> Result<f64, CaseError> {
+fn heun_on_ray(ray: f64) -> CaseResult<f64> {
     boundary(ray, &heun)?.ok_or_else(|| "no boundary below 10^4".into())
 }
 
@@ -116,29 +113,22 @@ fn heun(
 }
 
 fn boundary_claim(context: &Context<'_>, id: &str, error: f64) -> Claim {
-    let subject = context.subject(
-        &format!("{id}/boundary"),
-        "worst relative error of the largest stable |l| h over all rays",
-        "",
-        "E|R|^2 = 1 by Gauss-Hermite quadrature and bisection, against its formula",
-    );
+    let quantity = "worst relative error of the largest stable |l| h over all rays";
+    let method = "E|R|^2 = 1 by Gauss-Hermite quadrature and bisection, against its formula";
     let reason = "roundoff: eps over the slope of E|R|^2 at its boundary; the quadrature is exact for the polynomial of a step";
-    Claim::within(subject, ErrorKind::Absolute, (error, 0.0), 3e-13, reason)
+    let subject = context.subject(format!("{id}/boundary"), quantity, method);
+    subject.bounded(error, 3e-13).because(reason)
 }
 
 fn survey_claim(context: &Context<'_>, worst: &Worst) -> Claim {
-    let subject = context.subject(
-        "survey",
-        "worst relative difference of the largest stable |l| h to an independent script",
-        "",
-        &format!("three methods on five rays; furthest: {}", worst.place),
-    );
-    let reason = "the script's grid has steps of 0.3 %";
-    Claim::within(subject, ErrorKind::Absolute, (worst.survey, 0.0), 3.5e-3, reason)
+    let quantity = "worst relative difference of the largest stable |l| h to an independent script";
+    let method = format!("three methods on five rays; furthest: {}", worst.place);
+    let claim = context.subject("survey", quantity, method).bounded(worst.survey, 3.5e-3);
+    claim.because("the script's grid has steps of 0.3 %")
 }
 
 /// The amplification itself, off the boundary: the values at which sampling of 1e6 paths went wrong by up to 3 %.
-fn amplification_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn amplification_claim(context: &Context<'_>) -> CaseResult<Claim> {
     let mut worst = 0.0_f64;
     for (formula, dt) in [0.1, 0.25, 0.4].into_iter().flat_map(|dt| {
         [Formula::Theta(0.0), Formula::Milstein, Formula::Heun].map(|formula| (formula, dt))
@@ -152,18 +142,13 @@ fn amplification_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
         let expected = formula.amplification(-3.0 * dt, 3.0 * dt);
         worst = worst.max((measured / expected - 1.0).abs());
     }
-    let subject = context.subject(
-        "amplification",
-        "worst relative error of E|R|^2",
-        "",
-        "Euler-Maruyama, Milstein, Heun at l = -3, m = sqrt(3), h = 0.1, 0.25, 0.4",
-    );
-    let reason = "roundoff: some hundred operations of the quadrature";
-    Ok(Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 1e-14, reason))
+    let method = "Euler-Maruyama, Milstein, Heun at l = -3, m = sqrt(3), h = 0.1, 0.25, 0.4";
+    let subject = context.subject("amplification", "worst relative error of E|R|^2", method);
+    Ok(subject.bounded(worst, 1e-14).because("roundoff: some hundred operations of the quadrature"))
 }
 
 /// `theta >= 1/2` is stable whenever the equation is: amplifications over rays and step lengths above one.
-fn unlimited_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn unlimited_claim(context: &Context<'_>) -> CaseResult<Claim> {
     let (mut unstable, mut all) = (0, 0);
     for theta in [0.5, 0.75, 1.0] {
         for ray in [0.0, 0.5, 0.9, 0.999] {
@@ -179,13 +164,10 @@ fn unlimited_claim(context: &Context<'_>) -> Result<Claim, CaseError> {
             }
         }
     }
-    let subject = context.subject(
-        "theta-at-least-half/amplification",
-        "step lengths and rays with E|R|^2 above 1 + 1e-9",
-        "",
-        "theta 0.5, 0.75, 1; |l| h from 0.01 to 10^6; noise up to 0.999 of the limit of the equation",
-    );
-    Ok(Claim::same_bits(subject, unstable, all, "stable whenever the equation is"))
+    let quantity = "step lengths and rays with E|R|^2 above 1 + 1e-9";
+    let method = "theta 0.5, 0.75, 1; |l| h from 0.01 to 10^6; noise up to 0.999 of the limit of the equation";
+    let subject = context.subject("theta-at-least-half/amplification", quantity, method);
+    Ok(subject.same_bits(unstable, all).because("stable whenever the equation is"))
 }
 
 /// `dX = J X o dB` with the quarter turn `J`.
@@ -212,13 +194,9 @@ fn ito_claim(context: &Context<'_>) -> Claim {
             worst = if error.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(error) };
         }
     }
-    let subject = context.subject(
-        "ito-form/rotation",
-        "worst error of the drift, over |x|",
-        "",
-        "ItoForm of dX = J X o dB at four states",
-    );
+    let quantity = "worst error of the drift, over |x|";
+    let method = "ItoForm of dX = J X o dB at four states";
     let reason =
         "roundoff: central differences of a linear function, eps^(2/3) over the ratio of |x| to 1";
-    Claim::within(subject, ErrorKind::Absolute, (worst, 0.0), 4e-11, reason)
+    context.subject("ito-form/rotation", quantity, method).bounded(worst, 4e-11).because(reason)
 }

@@ -8,20 +8,16 @@ use reference_problems::sde::problems::{
     Ageing, Duffing, Geometric, HyperbolicSine, Oscillator, Populations, Sine,
 };
 use reference_problems::sde::quadrature::{expectation, gauss_hermite};
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{DiagonalNoise, Increment, Shark, Sra3, Sriw1, StateSpace};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const ADDITIVE: Case = Case {
     id: "sde-integrators/order-additive",
     title: "orders for additive noise, on a drift nonlinear in the noisy variable and on noise that changes in time",
     source: "Rößler 2010; Foster, dos Reis and Strange 2024; SciML prob_sde_additive; fine reference by SRA3",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: run_additive,
+    run: Together(run_additive),
 };
 
 pub(crate) const DIAGONAL: Case = Case {
@@ -29,8 +25,7 @@ pub(crate) const DIAGONAL: Case = Case {
     title: "orders for diagonal noise: geometric Brownian motion without sampling, hyperbolic sine, two populations",
     source: "closed solutions of Kloeden and Platen 1992, section 4.4; Rößler 2010",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: run_diagonal,
+    run: Together(run_diagonal),
 };
 
 pub(crate) const SECOND_ORDER: Case = Case {
@@ -38,8 +33,7 @@ pub(crate) const SECOND_ORDER: Case = Case {
     title: "orders on Duffing's oscillator with additive noise on the velocity",
     source: "fine reference by ShARK",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: run_second_order,
+    run: Together(run_second_order),
 };
 
 /// How closely an order must be met.
@@ -77,22 +71,19 @@ fn order_claim(
         _ => method.to_owned(),
     };
     if let Some(order) = errors.order {
-        let subject = context.subject(id, what, "", &ends);
-        let criterion = Criterion::Within { tolerance: tolerance.slope, reason: tolerance.reason };
-        return Claim::judge(
-            subject,
-            ErrorKind::Order,
-            order,
-            Reference::exact(expected),
-            criterion,
-        );
+        return context
+            .subject(id, what, &ends)
+            .order(order, expected)
+            .within(tolerance.slope)
+            .because(tolerance.reason);
     }
-    let finest = errors.levels.last().map_or(Measured::exact(f64::NAN), |level| level.error);
-    let subject = context.subject(id, &format!("error, for {what}"), "", &ends);
     let reason =
         "fewer than four levels of one sign are above their noise: accuracy instead of a slope";
-    let criterion = Criterion::MonteCarlo { bias_bound: tolerance.accuracy, reason };
-    Claim::judge(subject, ErrorKind::Absolute, finest, Reference::exact(0.0), criterion)
+    context
+        .subject(id, format!("error, for {what}"), &ends)
+        .absolute(errors.levels.last().map_or(Measured::exact(f64::NAN), |level| level.error), 0.0)
+        .monte_carlo(tolerance.accuracy)
+        .because(reason)
 }
 
 const STRONG: Tolerance = Tolerance {
@@ -153,7 +144,7 @@ fn noise_free_claims<S, const D: usize, const M: usize>(
     (system, start, end): (&S, [f64; D], f64),
     methods: &[Method<S, D, M>],
     exact: [f64; D],
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let mut claims = Vec::new();
     for method in methods {
         let mut levels = Vec::new();
@@ -164,12 +155,10 @@ fn noise_free_claims<S, const D: usize, const M: usize>(
             levels.push((dt, distance));
         }
         let id = format!("{problem}/{}/noise-free", method.id);
-        let subject = context.subject(&id, "order without noise", "", method.name);
         let reason = "the next term of the error at h = 1/32";
-        let criterion = Criterion::Within { tolerance: NOISE_FREE, reason };
-        let expected = Reference::exact(method.orders.noise_free);
-        let fitted = order::fit(&levels)?;
-        claims.push(Claim::judge(subject, ErrorKind::Order, fitted, expected, criterion));
+        let subject = context.subject(&id, "order without noise", method.name);
+        let compared = subject.order(order::fit(&levels)?, method.orders.noise_free);
+        claims.push(compared.within(NOISE_FREE).because(reason));
     }
     Ok(claims)
 }
@@ -181,7 +170,7 @@ fn paths(context: &Context<'_>, quick: u64) -> u64 {
     }
 }
 
-fn run_additive(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run_additive(context: &Context<'_>) -> CaseResult {
     let methods = additive::<Sine, 1, 1>();
     let start = [1.0];
     let reference =
@@ -216,7 +205,7 @@ fn run_additive(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 /// Noise that changes in time: methods of strong order 1.5 must integrate it to that order. On this linear problem they
 /// reach 2, and so does Heun, which is why it alone is no test of order 1.5.
-fn ageing_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn ageing_claims(context: &Context<'_>) -> CaseResult {
     context.progress("ageing: noise that changes in time");
     let methods: Vec<_> = additive::<Ageing, 1, 1>()
         .into_iter()
@@ -242,7 +231,7 @@ fn ageing_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     Ok(order_claims(context, "ageing", &methods, Some(&outcomes.methods), None))
 }
 
-fn run_diagonal(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run_diagonal(context: &Context<'_>) -> CaseResult {
     let mut claims = geometric_claims(context)?;
     context.progress("hyperbolic sine");
     let system = DiagonalNoise(HyperbolicSine);
@@ -291,7 +280,7 @@ fn run_diagonal(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// Geometric Brownian motion: the moments of a step give every error exactly, by powers of one-step expectations.
-fn geometric_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn geometric_claims(context: &Context<'_>) -> CaseResult {
     context.progress("geometric Brownian motion, by quadrature");
     let geometric = Geometric { drift: 0.5, intensity: 0.6 };
     let system = DiagonalNoise(geometric);
@@ -301,7 +290,7 @@ fn geometric_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let (mut strong, mut mean, mut square) = (Vec::new(), Vec::new(), Vec::new());
         for n in [32_i32, 64, 128, 256, 512] {
             let dt = 1.0 / f64::from(n);
-            let factor = |dw: &Increment<1>| -> Result<f64, CaseError> {
+            let factor = |dw: &Increment<1>| -> CaseResult<f64> {
                 Ok((method.run)(&system, [1.0], dt, std::slice::from_ref(dw))?[0])
             };
             let exact = |dw: &Increment<1>| geometric.factor(dt, dw.brownian[0]);
@@ -331,19 +320,17 @@ fn geometric_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                 ("trapezoidal", "weak-mean") => 2.0,
                 _ => expected,
             };
-            let id = format!("geometric/{}/{name}", method.id);
-            let subject = context.subject(&id, what, "", method.name);
             let reason = "no sampling: what is left is the next term of the error";
-            let criterion = Criterion::Within { tolerance, reason };
-            let expected = Reference::exact(expected);
-            let fitted = order::fit(&levels)?;
-            claims.push(Claim::judge(subject, ErrorKind::Order, fitted, expected, criterion));
+            let subject =
+                context.subject(format!("geometric/{}/{name}", method.id), what, method.name);
+            let compared = subject.order(order::fit(&levels)?, expected);
+            claims.push(compared.within(tolerance).because(reason));
         }
     }
     Ok(claims)
 }
 
-fn run_second_order(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run_second_order(context: &Context<'_>) -> CaseResult {
     let system = StateSpace(Duffing);
     let methods = second_order::<Duffing>();
     let start = [1.0, 0.0];
@@ -379,7 +366,7 @@ fn run_second_order(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 ///    2 \frac{\xi^2\omega^2}{\omega_d^2} \sin^2 \omega_d t\right)\right) $$
 ///
 /// Source: Caughey and Stumpf 1961, Transient response of a dynamic system under random excitation.
-fn linear_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn linear_claims(context: &Context<'_>) -> CaseResult {
     let oscillator = Oscillator { frequency: 2.0, damping_ratio: 0.3, intensity: 0.8 };
     let (end, decay) = (1.5, 0.3 * 2.0);
     let damped = (4.0_f64 - decay * decay).sqrt();
@@ -403,12 +390,10 @@ fn linear_claims(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             levels.push((dt, p[0][0] - exact));
         }
         let id = format!("linear/{}/weak-second-moment-q", method.id);
-        let subject = context.subject(&id, "weak order of E[q^2]", "", method.name);
         let reason = "no sampling: what is left is the next term of the error";
-        let criterion = Criterion::Within { tolerance: 0.1, reason };
-        let expected = Reference::exact(method.orders.weak);
-        let fitted = order::fit(&levels)?;
-        claims.push(Claim::judge(subject, ErrorKind::Order, fitted, expected, criterion));
+        let subject = context.subject(&id, "weak order of E[q^2]", method.name);
+        let compared = subject.order(order::fit(&levels)?, method.orders.weak);
+        claims.push(compared.within(0.1).because(reason));
     }
     Ok(claims)
 }

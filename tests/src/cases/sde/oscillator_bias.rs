@@ -4,26 +4,22 @@ use reference_problems::sde::damper::viscous_damper_at_rest;
 use reference_problems::sde::methods::{Method, follow, method};
 use reference_problems::sde::orders::{Level, Study, measure};
 use reference_problems::sde::reference::OscillatorBias;
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{EulerMaruyama, Increment, SemiImplicitEuler, Shark, StrangOscillator};
 use vibrating_systems::ViscousDamper;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-bias",
     title: "bias of E[q^2] against step length on the oscillator with a viscous damper, T = 10 s from rest",
     source: "Canor and Denoël 2013, eq 26 with a = 1; derived/sde/oscillator_bias.json, 80,000 paths",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const END: f64 = 10.0;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let system = viscous_damper_at_rest()?;
     let none = [f64::NAN; 3];
     let methods: Vec<Method<ViscousDamper, 2, 1>> = vec![
@@ -71,19 +67,19 @@ fn bias_claim(
     scale: f64,
     expected: Reference,
 ) -> Option<Claim> {
-    let subject = context.subject(
-        &format!("{id}/h-{:.4}", level.dt),
-        "relative bias of E[q^2]",
-        "",
-        &format!("{method}, against Strang at h = 0.0024"),
-    );
     let Measured { value, standard_error } = level.error;
-    let measured = Measured::sampled(value / scale, standard_error.unwrap_or(0.0) / scale);
     let bias_bound = 0.01 * expected.value.abs();
     let reason =
         "1 % of the bias: its unit, E[q^2] of the reference, is known to 0.5 % in the survey";
-    let criterion = Criterion::MonteCarlo { bias_bound, reason };
-    let claim = Claim::judge(subject, ErrorKind::Absolute, measured, expected, criterion);
+    let claim = context
+        .subject(
+            format!("{id}/h-{:.4}", level.dt),
+            "relative bias of E[q^2]",
+            format!("{method}, against Strang at h = 0.0024"),
+        )
+        .absolute(Measured::sampled(value / scale, standard_error.unwrap_or(0.0) / scale), expected)
+        .monte_carlo(bias_bound)
+        .because(reason);
     let admitted = claim.tolerance.unwrap_or(f64::INFINITY);
     // The reference against itself has no error and says nothing.
     let is_reference = expected.error.is_some_and(|error| error <= 0.0);
@@ -93,16 +89,16 @@ fn bias_claim(
 /// Strang's splitting at the longest step. The survey's bias of -1.6e-3 is below the standard errors: what is claimed is the
 /// accuracy of the moment itself.
 fn strang_claim(context: &Context<'_>, n_paths: u64, level: &Level, scale: f64) -> Claim {
-    let subject = context.subject(
-        &format!("strang-oscillator/second-moment-q/h-{:.4}", level.dt),
-        "E[q^2] over that at h = 0.0024",
-        "",
-        &format!("Strang, {n_paths} coupled paths"),
-    );
     let Measured { value, standard_error } = level.error;
     let error = standard_error.unwrap_or(f64::NAN) / scale;
-    let measured = Measured::sampled(1.0 + value / scale, error);
     let reason = "the survey's bias, 1.55e-3";
-    let criterion = Criterion::MonteCarlo { bias_bound: 1.55e-3, reason };
-    Claim::judge(subject, ErrorKind::Relative, measured, Reference::exact(1.0), criterion)
+    context
+        .subject(
+            format!("strang-oscillator/second-moment-q/h-{:.4}", level.dt),
+            "E[q^2] over that at h = 0.0024",
+            format!("Strang, {n_paths} coupled paths"),
+        )
+        .relative(Measured::sampled(1.0 + value / scale, error), 1.0)
+        .monte_carlo(1.55e-3)
+        .because(reason)
 }

@@ -2,7 +2,6 @@
 //! can fail: with a constant changed, it does.
 
 use reference_problems::sde::reference::OscillatorEnsemble;
-use result_figures::{ErrorKind, Reference};
 use sde_integrators::{
     EnsembleConfig, GaussianMixture, Integrator, Observable, SecondOrder, SemiImplicitEuler,
     StrangOscillator, simulate,
@@ -11,18 +10,14 @@ use vibrating_systems::{
     LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
 };
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::estimates::sampled;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/oscillator-ensemble",
     title: "E[q^2], E[v^2] and P(|q| > 0.5) of the damped building over time, and the same with a constant changed",
     source: "Canor and Denoël 2013, eq 26-27; derived/sde/oscillator_ensemble.json, 320,000 paths of an independent code",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const LIMIT: f64 = 0.5;
@@ -70,7 +65,7 @@ impl SecondOrder<1, 1> for Changed {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let structure = LinearOscillatorParameters {
         natural_frequency: std::f64::consts::PI,
         damping_ratio: 0.01,
@@ -107,7 +102,7 @@ fn rows<I>(
     method: &I,
     system: &Changed,
     (dt, n_paths): (f64, u64),
-) -> Result<Vec<Claim>, CaseError>
+) -> CaseResult
 where
     I: Integrator<Changed, 2, 1>,
 {
@@ -134,23 +129,18 @@ where
         .into_iter()
         .zip(estimates)
         {
-            claims.push(Claim::judge(
-                context.subject(&format!("{id}/{name}/t{t}"), quantity, "", &named),
-                ErrorKind::Relative,
-                sampled(estimate)?,
-                Reference::uncertain(expected, error),
-                Criterion::MonteCarlo {
-                    bias_bound: 0.0,
-                    reason: "the bias of this step is below the standard errors",
-                },
-            ));
+            let reference = Reference::uncertain(expected, error);
+            let reason = "the bias of this step is below the standard errors";
+            let subject = context.subject(format!("{id}/{name}/t{t}"), quantity, &named);
+            let compared = subject.relative(sampled(estimate)?, reference);
+            claims.push(compared.monte_carlo(0.0).because(reason));
         }
     }
     Ok(claims)
 }
 
 /// The same rows must not hold where a constant is wrong.
-fn mutations(context: &Context<'_>, system: &Changed) -> Result<Claim, CaseError> {
+fn mutations(context: &Context<'_>, system: &Changed) -> CaseResult<Claim> {
     // The smallest change that 4 standard errors can see: 1 % of the noise moves E[v^2] by 2 %.
     let n_paths = 262_144;
     let changed = [
@@ -168,13 +158,9 @@ fn mutations(context: &Context<'_>, system: &Changed) -> Result<Claim, CaseError
         unnoticed += usize::from(n_failed == 0);
         words.push(format!("{name}: {n_failed} of {} fail", claims.len()));
     }
-    let subject = context.subject(
-        "mutated",
-        "wrong constants that no claim notices",
-        "",
-        &format!("Strang, h = 0.04, {n_paths} paths; {}", words.join(", ")),
-    );
+    let method = format!("Strang, h = 0.04, {n_paths} paths; {}", words.join(", "));
     let reason =
         "of 15 claims that hold with the right constant at least one must see the wrong one";
-    Ok(Claim::same_bits(subject, unnoticed, changed.len(), reason))
+    let subject = context.subject("mutated", "wrong constants that no claim notices", method);
+    Ok(subject.same_bits(unnoticed, changed.len()).because(reason))
 }

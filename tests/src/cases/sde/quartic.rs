@@ -4,20 +4,16 @@
 use reference_problems::order;
 use reference_problems::sde::problems::Cubic;
 use reference_problems::sde::quadrature::{expectation, gauss_hermite};
-use result_figures::{ErrorKind, Reference};
 use sde_integrators::{EulerMaruyama, Increment, Integrator, Shark, StepError, StochasticTheta};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "sde-integrators/quartic-law",
     title: "bias of the stationary E[x^2] in a quartic potential, by the transition operator of each method",
     source: "2 Gamma(3/4)/Gamma(1/4) = 0.6759782401; derived/sde: 2e7 steps of an independent code",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const EXACT: f64 = Cubic::STATIONARY_SECOND_MOMENT;
@@ -39,7 +35,7 @@ const SURVEY: [(&str, [f64; 3]); 3] = [
 /// The next state and what is observed of this one, from this one and the increment.
 type Image<'a> = dyn Fn(f64, f64, &Increment<1>) -> Result<(f64, f64), StepError> + 'a;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let implicit = StochasticTheta::BACKWARD_EULER;
     let (euler, backward) = (Some(first_order_bias(1.0)), Some(first_order_bias(-1.0)));
     // Orders of the stationary distribution, with the bias of first order; ShARK is of weak order 2.
@@ -58,12 +54,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         }
         let words: Vec<String> =
             levels.iter().map(|(dt, bias)| format!("{bias:+.2e} at h = {dt}")).collect();
-        let subject =
-            context.subject(&format!("{id}/order"), "order of E[x^2]", "", &words.join(", "));
         let reason = "no sampling: the next term of the error at h = 0.025";
-        let criterion = Criterion::Within { tolerance: 0.15, reason };
-        let (order, expected) = (order::fit(&levels[2..])?, Reference::exact(expected));
-        claims.push(Claim::judge(subject, ErrorKind::Order, order, expected, criterion));
+        let order = order::fit(&levels[2..])?;
+        let subject = context.subject(format!("{id}/order"), "order of E[x^2]", words.join(", "));
+        claims.push(subject.order(order, expected).within(0.15).because(reason));
         let survey = SURVEY.iter().find(|row| row.0 == id).map(|row| row.1);
         for ((dt, bias), sampled) in levels.iter().zip(survey.into_iter().flatten()) {
             let deviations = (bias - sampled).abs() / (1e-3 * (0.1 / dt).sqrt());
@@ -81,28 +75,21 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 /// All sampled values of the independent code at once.
 fn survey_claim(context: &Context<'_>, (deviations, place): (f64, String)) -> Claim {
-    let subject = context.subject(
-        "survey",
-        "standard errors between the operator and a sampled value, the largest of 9",
-        "s.e.",
-        &format!("three methods, h = 0.1, 0.05, 0.025; furthest: {place}"),
-    );
-    let reason = "statistics: four standard errors of the sampled value, each 1e-3 sqrt(0.1/h)";
-    Claim::within(subject, ErrorKind::Absolute, (deviations, 0.0), 4.0, reason)
+    let quantity = "standard errors between the operator and a sampled value, the largest of 9";
+    let method = format!("three methods, h = 0.1, 0.05, 0.025; furthest: {place}");
+    let claim = context.subject("survey", quantity, method).unit("s.e.").bounded(deviations, 4.0);
+    claim.because("statistics: four standard errors of the sampled value, each 1e-3 sqrt(0.1/h)")
 }
 
 /// The limit of bias over step as the step goes to zero, by Richardson's extrapolation of the two shortest steps.
 fn limit_claim(context: &Context<'_>, id: &str, levels: &[(f64, f64)], first_order: f64) -> Claim {
     let slopes: Vec<f64> = levels[levels.len() - 2..].iter().map(|(dt, bias)| bias / dt).collect();
-    let subject = context.subject(
-        &format!("{id}/first-order-bias"),
-        "relative bias of E[x^2] over h, as h goes to 0",
-        "",
-        "transition operator, extrapolated from h = 0.00625 and 0.003125",
-    );
-    let reason = "what the extrapolation leaves: the third order in h, 1e-5 times its coefficient";
     let found = 2.0 * slopes[1] - slopes[0];
-    Claim::within(subject, ErrorKind::Relative, (found, first_order), LIMIT_TOLERANCE, reason)
+    let quantity = "relative bias of E[x^2] over h, as h goes to 0";
+    let method = "transition operator, extrapolated from h = 0.00625 and 0.003125";
+    let reason = "what the extrapolation leaves: the third order in h, 1e-5 times its coefficient";
+    let subject = context.subject(format!("{id}/first-order-bias"), quantity, method);
+    subject.relative(found, first_order).within(LIMIT_TOLERANCE).because(reason)
 }
 
 /// Of the coefficient of the first-order bias.
@@ -141,7 +128,7 @@ where
 
 /// `E[x^2]` of the stationary chain: the expectation of the observable after many steps, as a function of the start,
 /// tends to a constant.
-fn stationary(dt: f64, image: &Image<'_>) -> Result<f64, CaseError> {
+fn stationary(dt: f64, image: &Image<'_>) -> CaseResult<f64> {
     let rule = gauss_hermite(14);
     let n = 2 * HALF + 1;
     let mut rows: Vec<Vec<f64>> = vec![vec![0.0; n]; n];

@@ -9,10 +9,7 @@ use scenes::smpm::experiment::SceneExperiment;
 use smpm::uncertainty::{FrozenForm, Propagated, Sampled, Series, Study};
 use smpm::{Plan, Quantity};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 const SOURCE: &str =
     "own whole runs; Chen et al. 2019, section 5, with the geometry of docs/methods/smpm.md";
@@ -22,8 +19,7 @@ pub(crate) const DIFFERENCES: Case = Case {
     title: "Derivatives carried through an explosion against central differences of whole runs",
     source: SOURCE,
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: differences,
+    run: Together(differences),
 };
 
 pub(crate) const SAMPLES: Case = Case {
@@ -31,8 +27,7 @@ pub(crate) const SAMPLES: Case = Case {
     title: "Mean and variance behind an explosion, from one run, against sampled runs",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: samples,
+    run: Together(samples),
 };
 
 /// Microseconds.
@@ -53,7 +48,7 @@ fn study(
     experiment: &SceneExperiment<2>,
     problem: Problem,
     coefficient_of_variation: f64,
-) -> Result<Study<'_, SceneExperiment<2>, 2>, CaseError> {
+) -> CaseResult<Study<'_, SceneExperiment<2>, 2>> {
     let scene = problem.scene_with(coefficient_of_variation, &TIMES)?;
     let (inputs, plan) = (scene.inputs()?, scene.plan::<2>()?);
     Ok(Study::new(experiment, inputs, plan)?)
@@ -64,7 +59,7 @@ pub(crate) fn solved(
     context: &Context<'_>,
     problem: Problem,
     coefficient_of_variation: f64,
-) -> Result<Arc<Solved>, CaseError> {
+) -> CaseResult<Arc<Solved>> {
     let n_samples = if context.profile == Profile::Full { 1000 } else { 250 };
     let key = format!("smpm {problem:?} {coefficient_of_variation} {n_samples}");
     context.shared(&key, || {
@@ -80,7 +75,7 @@ pub(crate) fn solved(
     })
 }
 
-fn differences(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn differences(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     for (problem, name, one_sided, tolerances) in [
         (Problem::ContactExplosion, "thin-plate", "thin-plate/one-sided", [2e-6, 2e-3]),
@@ -95,20 +90,15 @@ fn differences(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         let jets = study.propagated()?.moments;
         let worst = farthest(plan, &jets, &differenced);
         let method = "jets against central differences, all quantities and gauges, t <= 12 us";
-        claims.push(Lines { context, id: "", method: worst.method(method) }.bounded(
-            (name, "largest distance of the two gradients, over the quantity's largest", ""),
-            worst.value(),
-            tolerances[0],
-            "truncation of the differences, whose step is 1e-3 of a parameter, and switches within it",
-        ));
+        let quantity = "largest distance of the two gradients, over the quantity's largest";
+        let reason = "truncation of the differences, whose step is 1e-3 of a parameter, and switches within it";
+        let subject = context.lines("", worst.method(method)).of(name, quantity);
+        claims.push(subject.bounded(worst.value(), tolerances[0]).because(reason));
         let worst = farthest(plan, &study.forward_difference(0.02)?, &differenced);
         let method = "one-sided against central differences, the same";
-        claims.push(Lines { context, id: "", method: worst.method(method) }.bounded(
-            (one_sided, "largest distance of the two gradients, over the quantity's largest", ""),
-            worst.value(),
-            tolerances[1],
-            "half the step times the curvature",
-        ));
+        let lines = context.lines("", worst.method(method));
+        let claim = lines.of(one_sided, quantity).bounded(worst.value(), tolerances[1]);
+        claims.push(claim.because("half the step times the curvature"));
     }
     Ok(claims)
 }
@@ -150,10 +140,7 @@ fn after_first_yield(gauge: &str, t: f64) -> bool {
     t >= if gauge == "I" || gauge == "K" { 9.0 } else { 8.0 }
 }
 
-fn errors(
-    solved: &Solved,
-    wanted: impl Fn(&str, Quantity, f64) -> bool,
-) -> Result<Errors, CaseError> {
+fn errors(solved: &Solved, wanted: impl Fn(&str, Quantity, f64) -> bool) -> CaseResult<Errors> {
     let mut errors =
         Errors { mean: vec![], variance: vec![], frozen_variance: vec![], standard_error: vec![] };
     let Solved { plan, propagated, frozen, sampled } = solved;
@@ -184,25 +171,22 @@ struct Against<'a> {
 
 impl<'a> Against<'a> {
     fn new(context: &'a Context<'a>) -> Self {
-        let line = |method: &str| Lines { context, id: "", method: method.to_owned() };
         Self {
-            jets: line("jets, against sampled runs with control variate"),
-            frozen: line("formulas at the local state, corrected: a baseline"),
+            jets: context.lines("", "jets, against sampled runs with control variate"),
+            frozen: context.lines("", "formulas at the local state, corrected: a baseline"),
         }
     }
 
     /// The median error of the frozen variance, where it was seen.
     fn frozen(&self, id: &str, errors: &Errors, band: (f64, f64)) -> Claim {
-        self.frozen.measured(
-            (id, "median relative error of the frozen variance", ""),
-            quantile(&errors.frozen_variance, 0.5),
-            band,
-            "the state is taken for certain; seen with 250 samples as with 1000",
-        )
+        self.frozen
+            .of(id, "median relative error of the frozen variance")
+            .measured(quantile(&errors.frozen_variance, 0.5), band)
+            .because("the state is taken for certain; seen with 250 samples as with 1000")
     }
 }
 
-fn samples(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn samples(context: &Context<'_>) -> CaseResult {
     let against = Against::new(context);
     let mut claims = Vec::new();
     for (cv, of_mean, of_variance) in [(0.05, 1e-4, 3e-3), (0.15, 5e-4, 1e-2)] {
@@ -225,17 +209,20 @@ fn flow_stress(
     cv: f64,
     of_mean: f64,
     of_variance: f64,
-) -> Result<[Claim; 3], CaseError> {
+) -> CaseResult<[Claim; 3]> {
     let flow = errors(solved, |gauge, quantity, t| {
         quantity == Quantity::FlowStress && after_first_yield(gauge, t)
     })?;
     let noise = quantile(&flow.standard_error, 0.5);
     let reason = format!("fourth order in cv; the samples' own error is {noise:.1e}");
     let worst = |name: &str, moment: &str, errors: &[f64], tolerance: f64| {
-        let id = format!("flow-stress/{name}/cv{cv}");
         let quantity =
             format!("largest relative error of {moment} sigma_y, 1 us after first yield and later");
-        against.jets.bounded((&id, &quantity, ""), quantile(errors, 1.0), tolerance, &reason)
+        against
+            .jets
+            .of(format!("flow-stress/{name}/cv{cv}"), &quantity)
+            .bounded(quantile(errors, 1.0), tolerance)
+            .because(&reason)
     };
     let id = format!("flow-stress/frozen-variance/cv{cv}");
     Ok([
@@ -245,17 +232,16 @@ fn flow_stress(
     ])
 }
 
-fn deviator(against: &Against<'_>, solved: &Solved, cv: f64) -> Result<[Claim; 3], CaseError> {
+fn deviator(against: &Against<'_>, solved: &Solved, cv: f64) -> CaseResult<[Claim; 3]> {
     let deviator = errors(solved, |gauge, quantity, t| {
         quantity == Quantity::Deviator(0, 0) && after_first_yield(gauge, t)
     })?;
     let id = format!("deviator-11/variance-median/cv{cv}");
-    let median = against.jets.bounded(
-        (&id, "median relative error of Var S_11, 1 us after first yield and later", ""),
-        quantile(&deviator.variance, 0.5),
-        0.01,
-        "unloading and reverse yield are smooth in the parameters but where they begin",
-    );
+    let median = against
+        .jets
+        .of(&id, "median relative error of Var S_11, 1 us after first yield and later")
+        .bounded(quantile(&deviator.variance, 0.5), 0.01)
+        .because("unloading and reverse yield are smooth in the parameters but where they begin");
     let id = format!("deviator-11/frozen-variance/cv{cv}");
     Ok([
         median,
@@ -265,17 +251,16 @@ fn deviator(against: &Against<'_>, solved: &Solved, cv: f64) -> Result<[Claim; 3
 }
 
 /// `S_22` at the gauges; at its ninth decile are gauges that unload, as for `S_11`.
-fn across(against: &Against<'_>, solved: &Solved, cv: f64) -> Result<Claim, CaseError> {
+fn across(against: &Against<'_>, solved: &Solved, cv: f64) -> CaseResult<Claim> {
     let deviator = errors(solved, |gauge, quantity, t| {
         quantity == Quantity::Deviator(1, 1) && after_first_yield(gauge, t)
     })?;
     let id = format!("deviator-22/variance-median/cv{cv}");
-    Ok(against.jets.bounded(
-        (&id, "median relative error of Var S_22, 1 us after first yield and later", ""),
-        quantile(&deviator.variance, 0.5),
-        0.01,
-        "unloading and reverse yield are smooth in the parameters but where they begin",
-    ))
+    Ok(against
+        .jets
+        .of(&id, "median relative error of Var S_22, 1 us after first yield and later")
+        .bounded(quantile(&deviator.variance, 0.5), 0.01)
+        .because("unloading and reverse yield are smooth in the parameters but where they begin"))
 }
 
 /// The ninth decile is made of gauges that unload: their trial stress is within two deviations of yield, as
@@ -284,17 +269,13 @@ fn unloading(against: &Against<'_>, cv: f64, measured: f64) -> Claim {
     let id = format!("deviator-11/variance-p90/cv{cv}");
     let quantity =
         "ninth decile of the relative error of Var S_11, 1 us after first yield and later";
-    let of = (id.as_str(), quantity, "");
+    let of = against.jets.of(&id, quantity);
     if cv < 0.1 {
         let reason = "where unloading begins, samples differ in whether they yield";
-        return against.jets.bounded(of, measured, 0.05, reason);
+        return of.bounded(measured, 0.05).because(reason);
     }
-    against.jets.measured(
-        of,
-        measured,
-        (0.0, 0.12),
-        "5 % is not reached: at H and K unloading is within two deviations of yield, which is flagged, and at I the gradient passes through zero",
-    )
+    of.measured(measured, (0.0, 0.12))
+        .because("5 % is not reached: at H and K unloading is within two deviations of yield, which is flagged, and at I the gradient passes through zero")
 }
 
 fn pressure(
@@ -302,13 +283,13 @@ fn pressure(
     solved: &Solved,
     cv: f64,
     [of_median, of_decile]: [f64; 2],
-) -> Result<[Claim; 3], CaseError> {
+) -> CaseResult<[Claim; 3]> {
     let pressure = errors(solved, |_, quantity, _| quantity == Quantity::Pressure)?;
     let at = |name: &str, quantity: &str, share: f64, tolerance: f64| {
         let id = format!("pressure/{name}/cv{cv}");
         let reason = "third derivatives; largest where the gradient passes through zero";
         let measured = quantile(&pressure.variance, share);
-        against.jets.bounded((&id, quantity, ""), measured, tolerance, reason)
+        against.jets.of(&id, quantity).bounded(measured, tolerance).because(reason)
     };
     let id = format!("pressure/frozen-variance/cv{cv}");
     Ok([
@@ -319,7 +300,7 @@ fn pressure(
 }
 
 /// Raw and controlled samples see the same.
-fn agreement(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn agreement(context: &Context<'_>) -> CaseResult {
     let solved = solved(context, Problem::ContactExplosion, 0.15)?;
     let (mut worst, mut gains) = (0.0_f64, Vec::new());
     for (response, moments) in solved.propagated.moments.iter().enumerate() {
@@ -333,19 +314,15 @@ fn agreement(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             [raw.variance, controlled.variance].map(|e| e.standard_error().unwrap_or(f64::NAN));
         gains.push(errors[0] / errors[1]);
     }
-    let lines = |method: &str| Lines { context, id: "", method: method.to_owned() };
+    let lines = |method: &str| context.lines("", method);
     Ok(vec![
-        lines("one set of samples").bounded(
-            ("raw-against-controlled", "largest distance, in standard errors of the raw one", ""),
-            worst,
-            4.0,
-            "both are without bias, and one is much the surer",
-        ),
-        lines("the surrogate of one run with jets").measured(
-            ("gain-of-control", "raw over controlled standard error of the variance, median", ""),
-            quantile(&gains, 0.5),
-            (8.0, 13.0),
-            "the square of it is the number of samples saved: a hundred for one",
-        ),
+        lines("one set of samples")
+            .of("raw-against-controlled", "largest distance, in standard errors of the raw one")
+            .bounded(worst, 4.0)
+            .because("both are without bias, and one is much the surer"),
+        lines("the surrogate of one run with jets")
+            .of("gain-of-control", "raw over controlled standard error of the variance, median")
+            .measured(quantile(&gains, 0.5), (8.0, 13.0))
+            .because("the square of it is the number of samples saved: a hundred for one"),
     ])
 }

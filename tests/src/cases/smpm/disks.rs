@@ -1,6 +1,5 @@
 //! Two elastic disks that collide: time of contact, momentum, energy, rebound. And friction on an incline.
 
-use result_figures::{ErrorKind, Reference};
 use serde::Deserialize;
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
@@ -9,19 +8,14 @@ use smpm::{
 
 use super::incline::Inclines;
 use super::methods::{METHODS, Method};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/disks",
     title: "Two elastic disks collide, bonded as in the paper and in frictionless contact; a block on an incline sticks and slides",
     source: "Sulsky, Chen and Schreyer 1994, section 4; the time of contact is (0.6 - 0.4/sqrt(2))/0.2, energy is conserved, and by symmetry the momentum stays zero; the rebound is the limit under refinement; the block follows Coulomb's law",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 #[derive(Debug, Deserialize)]
@@ -104,7 +98,7 @@ fn collide(config: Config<2>) -> Result<Collision, Error> {
 
 /// The momentum of disks of unequal masses, over that of the first at the start: its largest change in a collision. No symmetry
 /// conserves it.
-fn unequal(config: Config<2>) -> Result<f64, CaseError> {
+fn unequal(config: Config<2>) -> CaseResult<f64> {
     let mut run = disks(config, [DENSITY, 3.0 * DENSITY])?;
     let (start, of_first) = (run.ledger().momentum, run.ledgers()[0].momentum[0]);
     let mut change = 0.0_f64;
@@ -133,7 +127,7 @@ impl ReferenceDisks {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../reference/derived/smpm/disks.json");
     let reference: ReferenceDisks = serde_json::from_str(text)?;
     let (mut runs, mut claims) = (Vec::new(), Vec::new());
@@ -157,12 +151,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         }
     }
     let method = change.method("the second disk three times as dense");
-    claims.push(Lines { context, id: "unequal", method }.bounded(
-        ("momentum", "largest change of the momentum of both, over that of the first", ""),
-        change.value(),
-        5e-10,
-        "nodes lighter than 1e-12 of a particle do not move: some tens of them in each of a thousand steps",
-    ));
+    let quantity = "largest change of the momentum of both, over that of the first";
+    let reason = "nodes lighter than 1e-12 of a particle do not move: some tens of them in each of a thousand steps";
+    let subject = context.lines("unequal", method).of("momentum", quantity);
+    claims.push(subject.bounded(change.value(), 5e-10).because(reason));
     claims.extend(inclines.claims(context));
     claims.extend(of_all(context, &runs));
     for contact in [Contact::Bonded, FRICTIONLESS] {
@@ -170,7 +162,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     }
     for run in &runs {
         let id = format!("{}/{}", run.method.name(), name_of(run.contact));
-        let lines = Lines { context, id: &id, method: format!("{id}, {CELLS}") };
+        let lines = context.lines(&id, format!("{id}, {CELLS}"));
         if run.method.transfer == Transfer::Flip {
             claims.extend(of_flip(&lines, run, &reference));
         } else {
@@ -191,16 +183,11 @@ fn name_of(contact: Contact) -> &'static str {
 fn touch(context: &Context<'_>, runs: &[Run], reference: &ReferenceDisks) -> Claim {
     let touching = runs.iter().filter(|run| run.contact == FRICTIONLESS);
     let (early, method) = worst(touching, |collision| reference.gap_at(collision.touched));
-    Lines { context, id: "contact", method }.bounded(
-        (
-            "touch",
-            "cells along the line of centres that are left when the kinetic energy begins to fall",
-            "",
-        ),
-        early,
-        0.5,
-        "a fraction of a cell: the rim of a disk is a staircase of particles half a cell wide",
-    )
+    let quantity =
+        "cells along the line of centres that are left when the kinetic energy begins to fall";
+    let reason =
+        "a fraction of a cell: the rim of a disk is a staircase of particles half a cell wide";
+    context.lines("contact", method).of("touch", quantity).bounded(early, 0.5).because(reason)
 }
 
 /// The value that is largest in size over some of the runs, and a method text that names the runs and where it is.
@@ -224,20 +211,16 @@ fn worst<'a>(
 fn of_all(context: &Context<'_>, runs: &[Run]) -> [Claim; 2] {
     let (momentum, of_momentum) = worst(runs.iter(), |collision| collision.momentum);
     let (peak, of_peak) = worst(runs.iter(), |collision| collision.peak);
-    let lines = |method| Lines { context, id: "", method };
+    let lines = |method| context.lines("", method);
     [
-        lines(of_momentum).bounded(
-            ("momentum", "largest momentum of both over that of one", ""),
-            momentum,
-            4e-14,
-            "roundoff: sums over some thousand particles and steps",
-        ),
-        lines(of_peak).bounded(
-            ("peak-energy", "largest energy of the collision, over that of the start, less one", ""),
-            peak,
-            0.02,
-            "an impulse adds no energy; velocities are half a step from positions, so the sum oscillates while the disks are squeezed",
-        ),
+        lines(of_momentum)
+            .of("momentum", "largest momentum of both over that of one")
+            .bounded(momentum, 4e-14)
+            .because("roundoff: sums over some thousand particles and steps"),
+        lines(of_peak)
+            .of("peak-energy", "largest energy of the collision, over that of the start, less one")
+            .bounded(peak, 0.02)
+            .because("an impulse adds no energy; velocities are half a step from positions, so the sum oscillates while the disks are squeezed"),
     ]
 }
 
@@ -252,40 +235,36 @@ fn rebound(
         runs.iter().filter(|run| run.method.transfer == Transfer::Flip && run.contact == contact);
     let (apart, method) = worst(of, |collision| collision.rebound - reference.rebound);
     let seen = if contact == FRICTIONLESS { -0.0456 } else { 0.0165 };
-    let lines = Lines { context, id: name_of(contact), method };
-    lines.judge(
-        ("rebound", "velocity of a disk after over that before, reversed", ""),
-        ErrorKind::Absolute,
-        reference.rebound + apart,
-        Reference::uncertain(reference.rebound, reference.rebound_error),
-        Criterion::AsMeasured {
-            from: seen - REBOUND,
-            to: seen + REBOUND,
-            reason: "first order in the cell: bonded from above, contact from below; the limit is that of finer runs of the same code",
-        },
-    )
+    let lines = context.lines(name_of(contact), method);
+    lines
+        .of("rebound", "velocity of a disk after over that before, reversed")
+        .absolute(
+            reference.rebound + apart,
+            Reference::uncertain(reference.rebound, reference.rebound_error),
+        )
+        .as_measured(seen - REBOUND, seen + REBOUND)
+        .because("first order in the cell: bonded from above, contact from below; the limit is that of finer runs of the same code")
 }
 
 fn of_flip(lines: &Lines<'_>, run: &Run, reference: &ReferenceDisks) -> Vec<Claim> {
     let Run { method, contact, collision } = run;
-    let mut claims = vec![lines.bounded(
-        ("energy", "energy at the end, over that of the start, less one", ""),
-        collision.energy,
-        0.01,
-        "one per cent is the target of the source",
-    )];
+    let mut claims = vec![
+        lines
+            .of("energy", "energy at the end, over that of the start, less one")
+            .bounded(collision.energy, 0.01)
+            .because("one per cent is the target of the source"),
+    ];
     if *contact == Contact::Bonded {
         let early = reference.gap_at(collision.touched);
         let seen = match method.shape {
             Shape::QuadraticBSpline => 2.64,
             Shape::CubicBSpline => 3.25,
         };
-        claims.push(lines.measured(
-            ("touch", "cells along the line of centres that are left when the kinetic energy begins to fall", ""),
-            early,
-            (seen - 0.15, seen + 0.15),
-            "bonded bodies interact at nodes that both share, so before they touch",
-        ));
+        let quantity =
+            "cells along the line of centres that are left when the kinetic energy begins to fall";
+        let reason = "bonded bodies interact at nodes that both share, so before they touch";
+        let claim = lines.of("touch", quantity).measured(early, (seen - 0.15, seen + 0.15));
+        claims.push(claim.because(reason));
     }
     claims
 }
@@ -297,10 +276,8 @@ fn of_apic(lines: &Lines<'_>, run: &Run) -> Claim {
         (Shape::CubicBSpline, false) => -0.1750,
         (Shape::CubicBSpline, true) => -0.1252,
     };
-    lines.measured(
-        ("energy", "energy at the end, over that of the start, less one", ""),
-        run.collision.energy,
-        (1.1 * seen, 0.9 * seen),
-        "APIC filters what is not affine over a cell, at every step",
-    )
+    lines
+        .of("energy", "energy at the end, over that of the start, less one")
+        .measured(run.collision.energy, (1.1 * seen, 0.9 * seen))
+        .because("APIC filters what is not affine over a cell, at every step")
 }

@@ -6,18 +6,14 @@ use scenes::smpm::scene::SmpmScene;
 use smpm::Simulation;
 use smpm::uncertainty::{Experiment, Study};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/edges",
     title: "Explosions in 28 x 24 cm of water against twice the size, and against clamped edges",
     source: "own runs; Chen et al. 2019, section 5: 2 x 2 m of water, a plate with clamped edges",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Edges of the water of both scenes (cm).
@@ -27,7 +23,7 @@ const HEIGHT: f64 = 12.0;
 const LAST: f64 = 14.0;
 const LATER: f64 = 30.0;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     let times: Vec<f64> = (4..=14).map(f64::from).chain([LATER]).collect();
     for (edges, name) in [("larger", "edges twice as far away"), ("clamped", "clamped edges")] {
@@ -43,19 +39,16 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             compare(problem, &scene, &other, &mut early, &mut later)?;
         }
         let method = format!("both scenes, all gauges and quantities, {name}");
-        let lines = |worst: &Worst| Lines { context, id: edges, method: worst.method(&method) };
-        claims.push(lines(&early).bounded(
-            ("while-it-lasts", "distance up to 14 us, over the quantity's largest", ""),
-            early.value(),
-            2e-14,
-            "roundoff: nothing has come back from an edge; sums of other lengths",
-        ));
-        claims.push(lines(&later).measured(
-            ("later", "distance at 30 us, over the quantity's largest", ""),
-            later.value(),
-            (1e-3, 4e-3),
-            "by then the edges are seen",
-        ));
+        let lines = |worst: &Worst| context.lines(edges, worst.method(&method));
+        claims.push(
+            lines(&early)
+                .of("while-it-lasts", "distance up to 14 us, over the quantity's largest")
+                .bounded(early.value(), 2e-14)
+                .because("roundoff: nothing has come back from an edge; sums of other lengths"),
+        );
+        let reason = "by then the edges are seen";
+        let subject = lines(&later).of("later", "distance at 30 us, over the quantity's largest");
+        claims.push(subject.measured(later.value(), (1e-3, 4e-3)).because(reason));
     }
     claims.push(first_return(context)?);
     Ok(claims)
@@ -68,7 +61,7 @@ fn compare(
     other: &SmpmScene,
     early: &mut Worst,
     later: &mut Worst,
-) -> Result<(), CaseError> {
+) -> CaseResult<()> {
     let plan = scene.plan::<2>()?;
     let [ours, theirs] = [centre(scene)?, centre(other)?];
     let mut largest = vec![0.0_f64; plan.quantities.len()];
@@ -87,7 +80,7 @@ fn compare(
 }
 
 /// The responses of the reference run.
-fn centre(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
+fn centre(scene: &SmpmScene) -> CaseResult<Vec<f64>> {
     let experiment = experiment::<2>(scene)?;
     let study = Study::new(&experiment, scene.inputs()?, scene.plan::<2>()?)?;
     Ok(study.centre().to_vec())
@@ -95,7 +88,7 @@ fn centre(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
 
 /// The shortest way from the point of ignition by an edge to a gauge, over the fastest signal of the run: the speed whose
 /// Courant number limits the step, viscosity included.
-fn first_return(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn first_return(context: &Context<'_>) -> CaseResult<Claim> {
     let scene = Problem::ContactExplosion.scene_with(0.05, &[LAST])?;
     let gauges = scene.plan::<2>()?.gauges;
     let ways = gauges.iter().flat_map(|gauge| {
@@ -113,11 +106,10 @@ fn first_return(context: &Context<'_>) -> Result<Claim, CaseError> {
         fastest = fastest.max(config.courant_number * config.cell / run.longest_step());
         let _ = run.step()?;
     }
-    let method = format!("{way:.3} cm at {fastest:.3} cm/us, the fastest signal of the run");
-    Ok(Lines { context, id: "", method }.measured(
-        ("first-return", "earliest time at which anything can be back from an edge", "us"),
-        way / fastest,
-        (21.3, 22.3),
-        "the scene ends at 14 us",
-    ))
+    Ok(context
+        .lines("", format!("{way:.3} cm at {fastest:.3} cm/us, the fastest signal of the run"))
+        .of("first-return", "earliest time at which anything can be back from an edge")
+        .unit("us")
+        .measured(way / fastest, (21.3, 22.3))
+        .because("the scene ends at 14 us"))
 }

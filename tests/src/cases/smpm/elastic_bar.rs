@@ -6,18 +6,14 @@ use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Side, Simulation, Transfer};
 
 use super::methods::{METHODS, Method};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/elastic-bar",
     title: "An elastic bar, fixed and free, in its first mode; one that runs into a wall; two that meet",
     source: "linear vibration: v = v_0 cos(w t) sin(b x), b = pi/(2 L), w = b sqrt(E/rho), the bar of Bardenhagen 2002; impact: sigma = -rho c V until 2 L/c",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const NO_VISCOSITY: BulkViscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };
@@ -94,7 +90,7 @@ struct Family {
     tolerances: [f64; 7],
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let text = include_str!("../../../reference/derived/smpm/elastic_bar.json");
     let reference: ReferenceBars = serde_json::from_str(text)?;
     let mut claims = Vec::new();
@@ -109,13 +105,10 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             change.take(momentum(*method)?, &method.name());
         }
     }
-    let lines = Lines { context, id: "", method: change.method(RODS) };
-    claims.push(lines.bounded(
-        ("momentum", "change of the momentum of two rods that meet, over that of one", ""),
-        change.value(),
-        1.2e-11,
-        "roundoff: of some hundred steps, since shape functions sum to one; and nodes lighter than 1e-12 of a particle, which do not move: a particle whose edge has just passed one loses a part of its force, at these steps 1e-12",
-    ));
+    let lines = context.lines("", change.method(RODS));
+    let quantity = "change of the momentum of two rods that meet, over that of one";
+    let reason = "roundoff: of some hundred steps, since shape functions sum to one; and nodes lighter than 1e-12 of a particle, which do not move: a particle whose edge has just passed one loses a part of its force, at these steps 1e-12";
+    claims.push(lines.of("momentum", quantity).bounded(change.value(), 1.2e-11).because(reason));
     Ok(claims)
 }
 
@@ -132,7 +125,7 @@ struct Vibrated {
 
 /// After a period and a quarter: there the velocity passes through zero and shows an error of the phase, the displacement is at
 /// its largest and shows one of the amplitude.
-fn vibrate(config: &Config<1>, reference: &Vibration) -> Result<Vibrated, CaseError> {
+fn vibrate(config: &Config<1>, reference: &Vibration) -> CaseResult<Vibrated> {
     let Vibration { young_modulus, rho, length, omega, period } = *reference;
     let material = LinearElasticSolid::linear_elastic(LinearElasticParameters {
         density: rho,
@@ -168,8 +161,8 @@ fn vibrate(config: &Config<1>, reference: &Vibration) -> Result<Vibrated, CaseEr
 fn worst<const N: usize>(
     methods: &[&Method],
     targets: [f64; N],
-    of: impl Fn(&Method) -> Result<[f64; N], CaseError>,
-) -> Result<[Worst; N], CaseError> {
+    of: impl Fn(&Method) -> CaseResult<[f64; N]>,
+) -> CaseResult<[Worst; N]> {
     let mut all = targets.map(Worst::about);
     for method in methods {
         for (worst, value) in all.iter_mut().zip(of(method)?) {
@@ -184,45 +177,38 @@ fn vibration(
     family: &Family,
     methods: &[&Method],
     reference: &Vibration,
-) -> Result<[Claim; 4], CaseError> {
+) -> CaseResult<[Claim; 4]> {
     let [velocity, order, displacement, energy] = worst(methods, [0.0, 1.0, 0.0, 1.0], |method| {
         let at = |cells: f64| vibrate(&method.config(reference.length / cells), reference);
         let (coarse, fine) = (at(50.0)?, at(100.0)?);
         let order = (coarse.velocity / fine.velocity).log2();
         Ok([coarse.velocity, order, coarse.displacement, coarse.energy])
     })?;
-    let lines = |worst: &Worst| Lines {
-        context,
-        id: family.name,
-        method: worst.method("50 cells, 2 particles a cell, one and a quarter periods"),
+    let lines = |worst: &Worst| {
+        context.lines(
+            family.name,
+            worst.method("50 cells, 2 particles a cell, one and a quarter periods"),
+        )
     };
     let [of_velocity, of_displacement, of_energy, ..] = family.tolerances;
     Ok([
-        lines(&velocity).bounded(
-            ("velocity", "root mean square error of v where it passes through zero, over v_0", ""),
-            velocity.value(),
-            of_velocity,
-            "velocities are half a step off the positions, w dt/2 = 0.006, and the step is 0.4 of a cell",
-        ),
-        lines(&order).measured(
-            ("order", "order of that error between 50 and 100 cells, farthest from one", ""),
-            order.value(),
-            family.order,
-            "one, by that half step; what else there is, of second order, has either sign",
-        ),
-        lines(&displacement).bounded(
-            ("displacement", "root mean square error of u at its largest, over v_0/w", ""),
-            displacement.value(),
-            of_displacement,
-            "second order in the step; APIC damps",
-        ),
-        lines(&energy).relative(
-            ("energy", "energy over that of the start", ""),
-            energy.value(),
-            1.0,
-            of_energy,
-            "second order in the step, 1e-4 of it; what APIC takes on top is as much",
-        ),
+        lines(&velocity)
+            .of("velocity", "root mean square error of v where it passes through zero, over v_0")
+            .bounded(velocity.value(), of_velocity)
+            .because("velocities are half a step off the positions, w dt/2 = 0.006, and the step is 0.4 of a cell"),
+        lines(&order)
+            .of("order", "order of that error between 50 and 100 cells, farthest from one")
+            .measured(order.value(), family.order)
+            .because("one, by that half step; what else there is, of second order, has either sign"),
+        lines(&displacement)
+            .of("displacement", "root mean square error of u at its largest, over v_0/w")
+            .bounded(displacement.value(), of_displacement)
+            .because("second order in the step; APIC damps"),
+        lines(&energy)
+            .of("energy", "energy over that of the start")
+            .relative(energy.value(), 1.0)
+            .within(of_energy)
+            .because("second order in the step, 1e-4 of it; what APIC takes on top is as much"),
     ])
 }
 
@@ -238,7 +224,7 @@ struct Struck {
     rebound: f64,
 }
 
-fn strike(config: &Config<1>, reference: &WallImpact) -> Result<Struck, CaseError> {
+fn strike(config: &Config<1>, reference: &WallImpact) -> CaseResult<Struck> {
     let WallImpact { steel, speed, bulk_modulus, contact_time } = reference;
     let (k, g) = (*bulk_modulus, steel.shear_modulus);
     let material = LinearElasticSolid::linear_elastic(LinearElasticParameters {
@@ -280,7 +266,7 @@ fn wall_impact(
     family: &Family,
     methods: &[&Method],
     reference: &WallImpact,
-) -> Result<[Claim; 5], CaseError> {
+) -> CaseResult<[Claim; 5]> {
     let [stress, velocity, order, energy, rebound] =
         worst(methods, [1.0, 0.0, 1.0, 1.0, 1.0], |method| {
             let (coarse, fine) = (
@@ -290,51 +276,39 @@ fn wall_impact(
             let order = (coarse.velocity / fine.velocity).log2();
             Ok([fine.stress, fine.velocity, order, fine.energy, fine.rebound])
         })?;
-    let lines = |worst: &Worst| Lines {
-        context,
-        id: family.name,
-        method: worst.method("100 cells, 2 particles a cell, no viscosity"),
+    let lines = |worst: &Worst| {
+        context.lines(family.name, worst.method("100 cells, 2 particles a cell, no viscosity"))
     };
     let [_, _, _, of_stress, of_velocity, of_energy, of_rebound] = family.tolerances;
     Ok([
-        lines(&stress).relative(
-            ("wall/stress", "mean stress behind the front over -rho c V", ""),
-            stress.value(),
-            1.0,
-            of_stress,
-            "mean over 30 cells of what rings behind a jump without viscosity",
-        ),
-        lines(&velocity).bounded(
-            ("wall/velocity", "mean absolute error of v as the front runs, over V", ""),
-            velocity.value(),
-            of_velocity,
-            "a jump that rings over some cells; APIC and USL ring less",
-        ),
-        lines(&order).measured(
-            ("wall/order", "order of that error between 50 and 100 cells, the least", ""),
-            order.value(),
-            family.wall_order,
-            "at a jump a scheme of order p has the order p/(p + 1) in the mean norm: 1/2 to 2/3, and the ringing takes some of it",
-        ),
-        lines(&energy).relative(
-            ("wall/energy", "energy as the bar is about to leave, over that of the start", ""),
-            energy.value(),
-            1.0,
-            of_energy,
-            "APIC takes from what rings at the jump, FLIP keeps it",
-        ),
-        lines(&rebound).relative(
-            ("wall/rebound", "momentum after the contact over that before, turned about", ""),
-            rebound.value(),
-            1.0,
-            of_rebound,
-            "the closed form is one; a part of the energy stays as ringing",
-        ),
+        lines(&stress)
+            .of("wall/stress", "mean stress behind the front over -rho c V")
+            .relative(stress.value(), 1.0)
+            .within(of_stress)
+            .because("mean over 30 cells of what rings behind a jump without viscosity"),
+        lines(&velocity)
+            .of("wall/velocity", "mean absolute error of v as the front runs, over V")
+            .bounded(velocity.value(), of_velocity)
+            .because("a jump that rings over some cells; APIC and USL ring less"),
+        lines(&order)
+            .of("wall/order", "order of that error between 50 and 100 cells, the least")
+            .measured(order.value(), family.wall_order)
+            .because("at a jump a scheme of order p has the order p/(p + 1) in the mean norm: 1/2 to 2/3, and the ringing takes some of it"),
+        lines(&energy)
+            .of("wall/energy", "energy as the bar is about to leave, over that of the start")
+            .relative(energy.value(), 1.0)
+            .within(of_energy)
+            .because("APIC takes from what rings at the jump, FLIP keeps it"),
+        lines(&rebound)
+            .of("wall/rebound", "momentum after the contact over that before, turned about")
+            .relative(rebound.value(), 1.0)
+            .within(of_rebound)
+            .because("the closed form is one; a part of the energy stays as ringing"),
     ])
 }
 
 /// Two free rods that meet: the change of the sum of their momenta over that of one.
-fn momentum(method: Method) -> Result<f64, CaseError> {
+fn momentum(method: Method) -> CaseResult<f64> {
     let material = LinearElasticSolid::linear_elastic(LinearElasticParameters {
         density: 1.0,
         young_modulus: 100.0,

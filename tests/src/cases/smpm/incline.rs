@@ -6,10 +6,7 @@ use smpm::{
 };
 
 use super::methods::Method;
-use crate::case::{CaseError, Context};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 const GRAVITY: f64 = 10.0;
 /// Inclination (rad); its tangent is 0.546.
@@ -86,7 +83,7 @@ pub(super) struct Inclines {
 
 impl Inclines {
     /// Runs one method.
-    pub(super) fn take(&mut self, method: Method) -> Result<(), CaseError> {
+    pub(super) fn take(&mut self, method: Method) -> CaseResult<()> {
         let (stuck, sliding) = (motion(method, 0.8)?, motion(method, 0.4)?);
         self.creep.take(stuck.reach, &method.name());
         self.slide.take(sliding.velocity - (1.0 - 0.4 / ANGLE.tan()), &method.name());
@@ -96,24 +93,19 @@ impl Inclines {
     /// Both claims.
     pub(super) fn claims(&self, context: &Context<'_>) -> [Claim; 2] {
         let method = "block on a slab inclined by 0.5 rad, cells of a fifth of the block";
-        let lines = |worst: &Worst| Lines { context, id: "incline", method: worst.method(method) };
+        let lines = |worst: &Worst| context.lines("incline", worst.method(method));
         [
-            lines(&self.creep).bounded(
-                ("creep", "displacement of a block that sticks, over that of free fall", ""),
-                self.creep.value(),
-                2e-3,
-                "a block that has settled vibrates by less than half a per cent, the target",
-            ),
-            lines(&self.slide).bounded(
-                (
+            lines(&self.creep)
+                .of("creep", "displacement of a block that sticks, over that of free fall")
+                .bounded(self.creep.value(), 2e-3)
+                .because("a block that has settled vibrates by less than half a per cent, the target"),
+            lines(&self.slide)
+                .of(
                     "slide",
                     "velocity gained by a block that slides, over that of free fall, less 1 - mu/tan(angle)",
-                    "",
-                ),
-                self.slide.value(),
-                0.02,
-                "first order in the cell: the normals at the edges of the block are oblique",
-            ),
+                )
+                .bounded(self.slide.value(), 0.02)
+                .because("first order in the cell: the normals at the edges of the block are oblique"),
         ]
     }
 }

@@ -5,28 +5,23 @@ use std::path::Path;
 
 use rayon::ThreadPoolBuilder;
 use reference_problems::smpm::problems::Problem;
-use result_figures::{ErrorKind, Measured, Reference};
 use scenes::checkpoint::Start;
 use scenes::smpm::method_scene::{MethodScene, MultilevelScene};
 use scenes::smpm::scene::SmpmScene;
 use scenes::{Options, SceneFile};
 use serde_json::Value;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
+use crate::cases::prelude::*;
 use crate::cases::scene_result;
 use crate::cases::smpm::contact_explosion;
 use crate::cases::smpm::random_fields::{SCENE_COLUMN, column_moments, standard_error};
-use crate::claim::Criterion;
-use crate::report::Claim;
 
 pub(crate) const COLUMN: Case = Case {
     id: "smpm/multilevel/column",
     title: "Displacement of a column of random stiffness by samples on grids of doubling cells",
     source: "the integral of smpm/random-fields/column; Giles 2008",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: column,
+    run: Together(column),
 };
 
 pub(crate) const EXPLOSION: Case = Case {
@@ -34,19 +29,13 @@ pub(crate) const EXPLOSION: Case = Case {
     title: "Two responses behind an explosion by samples on grids of doubling cells",
     source: "own plain samples; Giles 2015: levels that do not pay are dropped",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: explosion,
+    run: Together(explosion),
 };
 
 const STRENGTH: f64 = 0.15;
 
 /// The result of a scene by multilevel Monte Carlo, run in a folder.
-fn result_of(
-    scene: &SmpmScene,
-    tolerance: f64,
-    out: &Path,
-    start: Start,
-) -> Result<Value, CaseError> {
+fn result_of(scene: &SmpmScene, tolerance: f64, out: &Path, start: Start) -> CaseResult<Value> {
     let method = MultilevelScene::new(tolerance, 11);
     let scene = SmpmScene { method: MethodScene::Multilevel(method), ..scene.clone() };
     let text = serde_json::to_string(&scene)?;
@@ -89,7 +78,7 @@ fn used_cells(result: &Value) -> Vec<f64> {
     used.map(|grid| number(&grid["cell"])).collect()
 }
 
-fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn column(context: &Context<'_>) -> CaseResult {
     let folder = tempfile::tempdir()?;
     let mut scene = Problem::RandomColumn.scene()?;
     scene.grid.cell = 0.0625;
@@ -104,36 +93,25 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         used_cells(&result),
         result["work"]["runs"]
     );
-    let lines = Lines { context, id: "", method };
+    let lines = context.lines("", method);
     let found = moment(&response, "mean");
-    let displacement = Measured { value: found.value - start, ..found };
     let mut claims = vec![
-        lines.judge_measured(
-            ("mean", "mean displacement, middle", "m"),
-            ErrorKind::Relative,
-            displacement,
-            Reference::exact(mean),
-            Criterion::MonteCarlo {
-                bias_bound: 5e-4,
-                reason: "320 particles, and the terms of the field that are left out",
-            },
-        ),
-        lines.judge_measured(
-            ("variance", "variance of the displacement, middle", "m^2"),
-            ErrorKind::Relative,
-            moment(&response, "variance"),
-            Reference::exact(variance),
-            Criterion::MonteCarlo {
-                bias_bound: 5e-3,
-                reason: "320 particles, and the terms of the field that are left out",
-            },
-        ),
-        lines.measured(
-            ("gain", "work of plain samples over that of the grids, for the same errors", ""),
-            gain(&result),
-            (50.0, 400.0),
-            "grids as coarse as five cells follow the finest one; most of the work is the pilot",
-        ),
+        lines
+            .of("mean", "mean displacement, middle")
+            .unit("m")
+            .relative(Measured { value: found.value - start, ..found }, mean)
+            .monte_carlo(5e-4)
+            .because("320 particles, and the terms of the field that are left out"),
+        lines
+            .of("variance", "variance of the displacement, middle")
+            .unit("m^2")
+            .relative(moment(&response, "variance"), variance)
+            .monte_carlo(5e-3)
+            .because("320 particles, and the terms of the field that are left out"),
+        lines
+            .of("gain", "work of plain samples over that of the grids, for the same errors")
+            .measured(gain(&result), (50.0, 400.0))
+            .because("grids as coarse as five cells follow the finest one; most of the work is the pilot"),
     ];
     scene.grid.cell = 0.25;
     claims.push(same_bits(context, &scene, folder.path())?);
@@ -141,9 +119,9 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 /// A run on one thread, on two, and one that continues a run with a larger tolerance.
-fn same_bits(context: &Context<'_>, scene: &SmpmScene, folder: &Path) -> Result<Claim, CaseError> {
+fn same_bits(context: &Context<'_>, scene: &SmpmScene, folder: &Path) -> CaseResult<Claim> {
     let tolerance = 0.05;
-    let on = |n_threads: usize| -> Result<Value, CaseError> {
+    let on = |n_threads: usize| -> CaseResult<Value> {
         let pool = ThreadPoolBuilder::new().num_threads(n_threads).build()?;
         let out = folder.join(format!("{n_threads}-threads"));
         pool.install(|| result_of(scene, tolerance, &out, Start::Anew))
@@ -155,17 +133,14 @@ fn same_bits(context: &Context<'_>, scene: &SmpmScene, folder: &Path) -> Result<
         |result: &Value| ["gauges", "multilevel"].map(|key| result[key].to_string()).concat();
     let n_different = runs[1..].iter().filter(|run| numbers(run) != numbers(&runs[0])).count();
     let n_values = numbers(&runs[0]).split(',').count();
-    let subject = context.subject(
-        "same-bits",
-        "results that differ from that on one thread",
-        "",
-        "two threads; a run continued from a larger tolerance",
-    );
+    let quantity = "results that differ from that on one thread";
+    let method = "two threads; a run continued from a larger tolerance";
     let reason = "blocks of samples are functions of their addresses, the plan of the blocks alone";
-    Ok(Claim::same_bits(subject, n_different, 2 * n_values, reason))
+    let subject = context.subject("same-bits", quantity, method);
+    Ok(subject.same_bits(n_different, 2 * n_values).because(reason))
 }
 
-fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn explosion(context: &Context<'_>) -> CaseResult {
     let solved = contact_explosion::solved(context, Problem::ContactExplosion, STRENGTH)?;
     let folder = tempfile::tempdir()?;
     let mut scene = Problem::ContactExplosion.scene_with(STRENGTH, &contact_explosion::TIMES)?;
@@ -178,28 +153,21 @@ fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         used_cells(&flow),
         flow["work"]["runs"]
     );
-    let lines = Lines { context, id: "", method };
+    let lines = context.lines("", method);
     let response = solved.plan.index(0, 0, solved.plan.windows.len() - 1);
     let plain = solved.sampled.controlled(response, &solved.propagated.moments[response])?;
     let mut claims = Vec::new();
     for (name, estimate) in [("mean", &plain.mean), ("variance", &plain.variance)] {
-        claims.push(lines.judge_measured(
-            (&format!("flow-stress/{name}"), &format!("{name} of sigma_y at H, 14 us"), ""),
-            ErrorKind::Relative,
-            moment(&decisive(&flow), name),
-            Reference::uncertain(estimate.value, standard_error(estimate)),
-            Criterion::MonteCarlo {
-                bias_bound: 1e-12,
-                reason: "none: the same runs on the finest grid",
-            },
-        ));
+        let quantity = format!("{name} of sigma_y at H, 14 us");
+        let value = moment(&decisive(&flow), name);
+        let reference = Reference::uncertain(estimate.value, standard_error(estimate));
+        let compared = lines.of(format!("flow-stress/{name}"), quantity).relative(value, reference);
+        claims.push(compared.monte_carlo(1e-12).because("none: the same runs on the finest grid"));
     }
-    claims.push(lines.measured(
-        ("flow-stress/gain", "work of plain samples over that of the grids, for the same errors", ""),
-        gain(&flow),
-        (5.0, 80.0),
-        "each level's variance is about its own mean, so the shift of the flow stress from grid to grid costs nothing",
-    ));
+    let quantity = "work of plain samples over that of the grids, for the same errors";
+    let reason = "each level's variance is about its own mean, so the shift of the flow stress from grid to grid costs nothing";
+    let claim = lines.of("flow-stress/gain", quantity).measured(gain(&flow), (5.0, 80.0));
+    claims.push(claim.because(reason));
     context.progress("S11 on three grids");
     scene.quantities.swap(0, 1);
     let deviator = result_of(&scene, 0.2, &folder.path().join("deviator"), Start::Anew)?;
@@ -208,13 +176,9 @@ fn explosion(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         used_cells(&deviator).len() as f64 - f64::from(u8::from(!notes.contains("does not pay")));
     let method =
         "S11 at H to 0.2; the deviation on the next grid is several times larger".to_owned();
-    let lines = Lines { context, id: "", method };
-    claims.push(lines.judge_measured(
-        ("deviator-11/grids", "grids that are used and reported", ""),
-        ErrorKind::Absolute,
-        Measured::exact(kept),
-        Reference::exact(1.0),
-        Criterion::Within { tolerance: 0.0, reason: "statistics: the variance of the difference is fifty times that of the response" },
-    ));
+    let lines = context.lines("", method);
+    let reason = "statistics: the variance of the difference is fifty times that of the response";
+    let subject = lines.of("deviator-11/grids", "grids that are used and reported");
+    claims.push(subject.absolute(kept, 1.0).within(0.0).because(reason));
     Ok(claims)
 }

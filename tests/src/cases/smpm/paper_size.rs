@@ -6,18 +6,14 @@ use scenes::clock::CpuClock;
 use scenes::smpm::reading::MOST_RANDOM;
 use smpm::uncertainty::Study;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/paper-size",
     title: "Contact explosion with 160,000 particles in two metres of water against the built-in scene, and its cost",
     source: "own runs; Chen et al. 2019, section 5.2 and Table 9",
     cost: Profile::Full,
-    schedule: Schedule::Alone,
-    run,
+    run: Alone(run),
 };
 
 /// Two metres of water, cells of 5 mm, four particles a cell: 160,000 of them in the half above the plane of symmetry, half a
@@ -29,7 +25,7 @@ const N_SAMPLES: f64 = 1e4;
 /// Times at which Tables 6 to 8 may have been read (us).
 const TIMES: [f64; 7] = [8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0];
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let small = scene_as_printed(COEFFICIENT_OF_VARIATION, &TIMES)?;
     let mut scene = small.clone();
     widen(&mut scene, HALF_LENGTH, HEIGHT);
@@ -64,45 +60,32 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     );
     let mut claims = Vec::new();
     for (worst, moment) in worst.iter().zip(["mean", "variance"]) {
-        claims.push(Lines { context, id: "built-in", method: worst.method(&method) }.bounded(
-            (
-                moment,
-                &format!("relative distance of the {moment} from that of the built-in scene"),
-                "",
-            ),
-            worst.value(),
-            6e-14,
-            "roundoff: nothing has come back from an edge of either scene",
-        ));
+        let quantity = format!("relative distance of the {moment} from that of the built-in scene");
+        let lines = context.lines("built-in", worst.method(&method));
+        let claim = lines.of(moment, quantity).bounded(worst.value(), 6e-14);
+        claims.push(claim.because("roundoff: nothing has come back from an edge of either scene"));
     }
-    claims.extend(costs(&Lines { context, id: "", method }, n_particles, of_jets / of_one));
+    claims.extend(costs(&context.lines("", method), n_particles, of_jets / of_one));
     Ok(claims)
 }
 
 /// By the processor time of the run with derivatives over that of one run.
 fn costs(lines: &Lines<'_>, n_particles: usize, of_jets: f64) -> [Claim; 3] {
     [
-        lines.measured(
-            ("particles", "particles", ""),
-            n_particles as f64,
-            (160_000.0, 160_000.0),
-            "as many as in the paper",
-        ),
-        lines.measured(
-            ("cost/jets", "processor time of the run with derivatives over that of one run", ""),
-            of_jets,
-            (5.0, 40.0),
-            "17 numbers for one, of the same run; the paper's 1.06 is what derivatives at a frozen state cost",
-        ),
-        lines.measured(
-            (
+        lines
+            .of("particles", "particles")
+            .measured(n_particles as f64, (160_000.0, 160_000.0))
+            .because("as many as in the paper"),
+        lines
+            .of("cost/jets", "processor time of the run with derivatives over that of one run")
+            .measured(of_jets, (5.0, 40.0))
+            .because("17 numbers for one, of the same run; the paper's 1.06 is what derivatives at a frozen state cost"),
+        lines
+            .of(
                 "cost/samples",
                 "processor time of 10,000 runs over that of the reference run and the jets",
-                "",
-            ),
-            N_SAMPLES / (1.0 + of_jets),
-            (200.0, 2000.0),
-            "by the time of one run, of the same case; the paper's ratio is 9,404",
-        ),
+            )
+            .measured(N_SAMPLES / (1.0 + of_jets), (200.0, 2000.0))
+            .because("by the time of one run, of the same case; the paper's ratio is 9,404"),
     ]
 }

@@ -4,18 +4,14 @@ use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::scene::{ShapeScene, SmpmScene, TimeScene, TransferScene, ViscosityScene};
 use smpm::uncertainty::{FrozenForm, Study};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/plate-impact",
     title: "A plane shock in steel: pressure, density, front, and the variance of its pressure",
     source: "Hugoniot u_s = C + S_1 u_p, exact: p = rho_0 u_s u_p; Meyers 1994, chapter 4",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Particle velocities: half those of symmetric impacts at 0.2 to 4 km/s (cm/us).
@@ -48,7 +44,7 @@ enum Scheme {
     Default,
 }
 
-fn scene(scheme: Scheme, particle_velocity: f64) -> Result<SmpmScene, CaseError> {
+fn scene(scheme: Scheme, particle_velocity: f64) -> CaseResult<SmpmScene> {
     let mut scene = Problem::PlateImpact.scene()?;
     scene.bodies[0].velocity = vec![-particle_velocity];
     if let Scheme::Default = scheme {
@@ -66,7 +62,7 @@ fn scene(scheme: Scheme, particle_velocity: f64) -> Result<SmpmScene, CaseError>
 /// Up to this particle velocity, an impact at 2 km/s, the default is fit for shocks (cm/us).
 const LAST_OF_DEFAULT: f64 = 0.1;
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut best: [Worst; 5] = std::array::from_fn(|_| Worst::of_errors());
     let mut default: [[Worst; 2]; 2] =
         std::array::from_fn(|_| std::array::from_fn(|_| Worst::of_errors()));
@@ -82,7 +78,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         }
     }
     let [slow, fast] = &default;
-    let mut claims = claims_of_best(context, &best);
+    let mut claims = claims_of_best(context, &best).to_vec();
     claims.extend(claims_of_default(context, "default", slow, [0.012, 0.08]));
     claims.extend(claims_of_default(context, "default/above-2-km-s", fast, [0.035, 0.2]));
     Ok(claims)
@@ -94,7 +90,7 @@ const DEFAULT: &str =
     "quadratic B-splines, FLIP, MUSL, viscosity 1.5 and 0.06, h = 0.5 mm, 2 particles a cell";
 
 /// Relative errors of pressure and density, the post-shock oscillation, relative errors of `dp/dS_1` and of the ratio of the frozen one.
-fn errors_of_best(particle_velocity: f64) -> Result<[f64; 5], CaseError> {
+fn errors_of_best(particle_velocity: f64) -> CaseResult<[f64; 5]> {
     let scene = scene(Scheme::Best, particle_velocity)?;
     let (shock, pressure) = hugoniot(particle_velocity);
     let experiment = experiment::<1>(&scene)?;
@@ -115,40 +111,32 @@ fn errors_of_best(particle_velocity: f64) -> Result<[f64; 5], CaseError> {
     ])
 }
 
-fn claims_of_best(context: &Context<'_>, worst: &[Worst; 5]) -> Vec<Claim> {
-    let all = [
-        (
-            ("pressure", "relative error of p", ""),
-            3e-3,
-            "mean over 50 cells and the time in which the front runs ten: the remainder of the post-shock oscillation",
-        ),
-        (("density", "relative error of rho", ""), 3e-3, "as the pressure"),
-        (
-            ("ripple", "standard deviation of p behind the front, over p", ""),
-            0.015,
-            "the ringing that the linear viscosity leaves",
-        ),
-        (
-            ("slope", "relative error of dp/dS_1", ""),
-            0.05,
-            "mean over the window; at 0.5 mm the smeared front is still felt in it, most where the shock is weak",
-        ),
-        (
-            ("frozen-over-true", "relative error of frozen dp/dS_1 over the true one", ""),
-            0.03,
-            "the same integral over the window, at the run's volume and energy: a frozen code is wrong by this ratio of 2.01 to 2.28",
-        ),
-    ];
-    let mut claims = Vec::new();
-    for ((of, tolerance, reason), worst) in all.into_iter().zip(worst) {
-        let lines = Lines { context, id: "", method: worst.method(BEST) };
-        claims.push(lines.bounded(of, worst.value(), tolerance, reason));
-    }
-    claims
+fn claims_of_best(context: &Context<'_>, worst: &[Worst; 5]) -> [Claim; 5] {
+    let of = |worst: &Worst, name: &str, quantity: &str| {
+        context.lines("", worst.method(BEST)).of(name, quantity)
+    };
+    let [pressure, density, ripple, slope, frozen] = worst;
+    [
+        of(pressure, "pressure", "relative error of p")
+            .bounded(pressure.value(), 3e-3)
+            .because("mean over 50 cells and the time in which the front runs ten: the remainder of the post-shock oscillation"),
+        of(density, "density", "relative error of rho")
+            .bounded(density.value(), 3e-3)
+            .because("as the pressure"),
+        of(ripple, "ripple", "standard deviation of p behind the front, over p")
+            .bounded(ripple.value(), 0.015)
+            .because("the ringing that the linear viscosity leaves"),
+        of(slope, "slope", "relative error of dp/dS_1")
+            .bounded(slope.value(), 0.05)
+            .because("mean over the window; at 0.5 mm the smeared front is still felt in it, most where the shock is weak"),
+        of(frozen, "frozen-over-true", "relative error of frozen dp/dS_1 over the true one")
+            .bounded(frozen.value(), 0.03)
+            .because("the same integral over the window, at the run's volume and energy: a frozen code is wrong by this ratio of 2.01 to 2.28"),
+    ]
 }
 
 /// Relative errors of the pressure and of `dp/dS_1`.
-fn errors_of_default(particle_velocity: f64) -> Result<[f64; 2], CaseError> {
+fn errors_of_default(particle_velocity: f64) -> CaseResult<[f64; 2]> {
     let scene = scene(Scheme::Default, particle_velocity)?;
     let (_, pressure) = hugoniot(particle_velocity);
     let experiment = experiment::<1>(&scene)?;
@@ -164,25 +152,21 @@ fn claims_of_default(
     [pressure, slope]: &[Worst; 2],
     [of_pressure, of_slope]: [f64; 2],
 ) -> [Claim; 2] {
-    let lines = |worst: &Worst| Lines { context, id, method: worst.method(DEFAULT) };
+    let lines = |worst: &Worst| context.lines(id, worst.method(DEFAULT));
     [
-        lines(pressure).bounded(
-            ("pressure", "relative error of p", ""),
-            pressure.value(),
-            of_pressure,
-            "the mean of a post-shock oscillation of up to 15 %",
-        ),
-        lines(slope).bounded(
-            ("slope", "relative error of dp/dS_1", ""),
-            slope.value(),
-            of_slope,
-            "what the ringing of FLIP leaves of the mean over 50 cells and the time in which the front runs ten",
-        ),
+        lines(pressure)
+            .of("pressure", "relative error of p")
+            .bounded(pressure.value(), of_pressure)
+            .because("the mean of a post-shock oscillation of up to 15 %"),
+        lines(slope)
+            .of("slope", "relative error of dp/dS_1")
+            .bounded(slope.value(), of_slope)
+            .because("what the ringing of FLIP leaves of the mean over 50 cells and the time in which the front runs ten"),
     ]
 }
 
 /// The spread of the pressure over single particles behind the front, over the exact one.
-fn ripple(scene: &SmpmScene, pressure: f64) -> Result<f64, CaseError> {
+fn ripple(scene: &SmpmScene, pressure: f64) -> CaseResult<f64> {
     use smpm::uncertainty::Experiment;
     let experiment = experiment::<1>(scene)?;
     let centre = scene.inputs()?.centre();

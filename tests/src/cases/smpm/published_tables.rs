@@ -4,18 +4,14 @@ use reference_problems::smpm::published::{
     MeanAndVariance, PrintedRow, Solved, TABLES, by_series, one_time, printed,
 };
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/published-tables",
     title: "Tables 6 to 8 of the paper at one time: 48 values of its method and 48 of its Monte Carlo",
     source: "Chen et al. 2019, Tables 6-8, as printed; limits: docs/errata.md",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// Candidates for the one time (us): from the first yield of all gauges to the end of the built-in scene.
@@ -39,7 +35,7 @@ impl Row {
     }
 
     /// The row of the flow stress at the same gauge and coefficient of variation.
-    fn flow_stress<'a>(&self, rows: &'a [Self]) -> Result<&'a Self, CaseError> {
+    fn flow_stress<'a>(&self, rows: &'a [Self]) -> CaseResult<&'a Self> {
         let same = |other: &&Self| other.printed.table == 0 && other.place_of() == self.place_of();
         rows.iter().find(same).ok_or_else(|| "Table 6 lacks a row of Tables 7 and 8".into())
     }
@@ -49,7 +45,7 @@ impl Row {
     }
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut solved = Vec::new();
     for cv in COEFFICIENTS_OF_VARIATION {
         context.progress(&format!("coefficient of variation {cv}"));
@@ -72,17 +68,12 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         });
     }
     let mut claims = vec![
-        Lines { context, id: "", method: "frozen formulas, coefficient of variation 0.1".into() }
-            .measured(
-                (
-                    "time",
-                    "whole microsecond at which the mean of sigma_y is nearest to Table 6",
-                    "us",
-                ),
-                time,
-                (11.0, 11.0),
-                "the paper states no time; this one is taken for all tables and gauges",
-            ),
+        context
+            .lines("", "frozen formulas, coefficient of variation 0.1")
+            .of("time", "whole microsecond at which the mean of sigma_y is nearest to Table 6")
+            .unit("us")
+            .measured(time, (11.0, 11.0))
+            .because("the paper states no time; this one is taken for all tables and gauges"),
     ];
     claims.extend(flow_stress(context, &rows));
     claims.extend(deviators(context, &rows));
@@ -107,18 +98,10 @@ fn flow_stress(context: &Context<'_>, rows: &[Row]) -> Vec<Claim> {
     for (k, moment) in MOMENTS.into_iter().enumerate() {
         let found =
             worst(rows, |row| row.table == 0, |row| row.frozen[k].0 / row.printed.method[k] - 1.0);
-        claims.push(
-            Lines { context, id: "flow-stress", method: found.method("frozen formulas") }.bounded(
-                (
-                    &format!("frozen/{moment}"),
-                    &format!("relative distance of the {moment} of sigma_y from Table 6"),
-                    "",
-                ),
-                found.value(),
-                0.05,
-                reason,
-            ),
-        );
+        let quantity = format!("relative distance of the {moment} of sigma_y from Table 6");
+        let lines = context.lines("flow-stress", found.method("frozen formulas"));
+        let subject = lines.of(format!("frozen/{moment}"), quantity);
+        claims.push(subject.bounded(found.value(), 0.05).because(reason));
     }
     let found = worst(
         rows,
@@ -126,12 +109,9 @@ fn flow_stress(context: &Context<'_>, rows: &[Row]) -> Vec<Claim> {
         |row| row.sampled[0].0 / row.printed.monte_carlo[0] - 1.0,
     );
     let method = found.method(&format!("{N_SAMPLES} whole runs with control variate"));
-    claims.push(Lines { context, id: "flow-stress", method }.bounded(
-        ("sampled/mean", "relative distance of the mean of sigma_y from Table 6, Monte Carlo", ""),
-        found.value(),
-        0.05,
-        reason,
-    ));
+    let quantity = "relative distance of the mean of sigma_y from Table 6, Monte Carlo";
+    let lines = context.lines("flow-stress", method);
+    claims.push(lines.of("sampled/mean", quantity).bounded(found.value(), 0.05).because(reason));
     // Both columns of the print have this ratio, with 10,000 samples in common.
     let mut lowest = (f64::INFINITY, 0.0, f64::INFINITY);
     for row in rows.iter().filter(|row| row.printed.table == 0) {
@@ -144,16 +124,14 @@ fn flow_stress(context: &Context<'_>, rows: &[Row]) -> Vec<Claim> {
         }
     }
     let method = format!("{N_SAMPLES} whole runs with control variate; lowest of 8");
-    claims.push(Lines { context, id: "flow-stress", method }.sampled(
-        (
-            "sampled-over-frozen",
-            &format!("variance of sigma_y by whole runs over the frozen one; lowest in print {:.4}", lowest.2),
-            "",
-        ),
-        result_figures::Measured::sampled(lowest.0, lowest.1),
-        (0.93, 0.97),
-        "the state depends on the parameters; whole runs do not agree with frozen formulas to 0.9 %, as printed",
-    ));
+    let quantity = format!(
+        "variance of sigma_y by whole runs over the frozen one; lowest in print {:.4}",
+        lowest.2
+    );
+    let reason = "the state depends on the parameters; whole runs do not agree with frozen formulas to 0.9 %, as printed";
+    let subject = context.lines("flow-stress", method).of("sampled-over-frozen", quantity);
+    let value = Measured::sampled(lowest.0, lowest.1);
+    claims.push(subject.measured(value, (0.93, 0.97)).because(reason));
     claims
 }
 
@@ -168,18 +146,12 @@ fn deviators(context: &Context<'_>, rows: &[Row]) -> Vec<Claim> {
                     |row| row.table == table && gauges.contains(row.gauge.as_str()),
                     |row| row.frozen[k].0 / row.printed.method[k] - 1.0,
                 );
-                claims.push(
-                    Lines { context, id, method: found.method("frozen formulas") }.measured(
-                        (
-                            &format!("{}/{moment}", gauges.to_lowercase()),
-                            &format!("relative distance of the {moment} from the print at {name}"),
-                            "",
-                        ),
-                        found.value(),
-                        seen(table, k, gauges),
-                        REASON,
-                    ),
-                );
+                let quantity =
+                    format!("relative distance of the {moment} from the print at {name}");
+                let lines = context.lines(id, found.method("frozen formulas"));
+                let subject = lines.of(format!("{}/{moment}", gauges.to_lowercase()), quantity);
+                let claim = subject.measured(found.value(), seen(table, k, gauges));
+                claims.push(claim.because(REASON));
             }
         }
     }
@@ -208,7 +180,7 @@ fn seen(table: usize, moment: usize, gauges: &str) -> (f64, f64) {
 }
 
 /// In print `D[S]/D[sigma_y] = (S/sigma_y)^2`: so in the frozen formulas, and not in whole runs.
-fn proportion(context: &Context<'_>, rows: &[Row]) -> Result<Vec<Claim>, CaseError> {
+fn proportion(context: &Context<'_>, rows: &[Row]) -> CaseResult {
     let mut all = [Worst::of_errors(), Worst::of_errors()];
     let loading = |row: &&Row| row.printed.table > 0 && "GK".contains(row.printed.gauge.as_str());
     for row in rows.iter().filter(loading) {
@@ -223,29 +195,26 @@ fn proportion(context: &Context<'_>, rows: &[Row]) -> Result<Vec<Claim>, CaseErr
     let quantity =
         "variance of S over that of sigma_y, relative to (S/sigma_y)^2, less 1, at G and K";
     Ok(vec![
-        Lines { context, id: "proportion", method: frozen.method("frozen formulas") }.bounded(
-            ("frozen", quantity, ""),
-            frozen.value(),
-            1e-3,
-            "mean over the particles of a gauge, and the second-order part of the mean",
-        ),
-        Lines { context, id: "proportion", method: propagated.method("derivatives of the run") }
-            .measured(
-                ("propagated", quantity, ""),
-                propagated.value(),
-                (-0.178, -0.138),
-                "the direction of the stress depends on the parameters too",
-            ),
+        context
+            .lines("proportion", frozen.method("frozen formulas"))
+            .of("frozen", quantity)
+            .bounded(frozen.value(), 1e-3)
+            .because("mean over the particles of a gauge, and the second-order part of the mean"),
+        context
+            .lines("proportion", propagated.method("derivatives of the run"))
+            .of("propagated", quantity)
+            .measured(propagated.value(), (-0.178, -0.138))
+            .because("the direction of the stress depends on the parameters too"),
     ])
 }
 
 /// The largest `|S_11|/sigma_y` of any gauge, time and coefficient of variation.
-fn yield_surface(context: &Context<'_>, solved: &[(f64, Solved)]) -> Result<Claim, CaseError> {
+fn yield_surface(context: &Context<'_>, solved: &[(f64, Solved)]) -> CaseResult<Claim> {
     let mut largest = 0.0_f64;
     for (_, solved) in solved {
         for gauge in &solved.plan.gauges {
             for time in TIMES {
-                let centre = |table| -> Result<f64, CaseError> {
+                let centre = |table| -> CaseResult<f64> {
                     let response = solved.response(table, &gauge.name, time)?;
                     Ok(solved.propagated[response].value)
                 };
@@ -253,11 +222,9 @@ fn yield_surface(context: &Context<'_>, solved: &[(f64, Solved)]) -> Result<Clai
             }
         }
     }
-    let lines = Lines { context, id: "", method: "reference runs, all gauges, 8 to 14 us".into() };
-    Ok(lines.measured(
-        ("within-yield", "largest abs(S_11) over sigma_y", ""),
-        largest,
-        (0.6, 2.0 / 3.0 + 1e-6),
-        "in plane strain von Mises allows 2/3 and no more; the paper prints up to 0.705",
-    ))
+    let lines = context.lines("", "reference runs, all gauges, 8 to 14 us");
+    Ok(lines
+        .of("within-yield", "largest abs(S_11) over sigma_y")
+        .measured(largest, (0.6, 2.0 / 3.0 + 1e-6))
+        .because("in plane strain von Mises allows 2/3 and no more; the paper prints up to 0.705"))
 }

@@ -8,17 +8,14 @@ use scenes::smpm::scene::SmpmScene;
 use smpm::Plan;
 use smpm::uncertainty::{Sampled, Series, Study};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const COLUMN: Case = Case {
     id: "smpm/random-fields/column",
     title: "Displacement of a column under its weight whose stiffness is a lognormal random field",
     source: "u(x) = -int_0^x rho g (L - s)/M(s) ds; the reciprocal of a lognormal field is lognormal, so mean and variance are integrals of its covariance",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: column,
+    run: Together(column),
 };
 
 pub(crate) const PLATE: Case = Case {
@@ -26,8 +23,7 @@ pub(crate) const PLATE: Case = Case {
     title: "Flow stress in a plate beside an explosion whose yield stress is a random field of 100 terms",
     source: "own whole runs, sampled",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: plate,
+    run: Together(plate),
 };
 
 pub(crate) const TAYLOR_BAR: Case = Case {
@@ -35,8 +31,7 @@ pub(crate) const TAYLOR_BAR: Case = Case {
     title: "Length of a Taylor bar whose yield stress is a random field",
     source: "own whole runs, sampled",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: taylor_bar,
+    run: Together(taylor_bar),
 };
 
 const SEED: u64 = 2026;
@@ -45,7 +40,7 @@ const SEED: u64 = 2026;
 fn samples<const D: usize>(
     study: &Study<'_, SceneExperiment<D>, D>,
     n_samples: u64,
-) -> Result<Sampled, CaseError> {
+) -> CaseResult<Sampled> {
     let sampled = study.monte_carlo(MonteCarlo { seed: SEED, n_samples })?;
     if let Some((_, error)) = sampled.failures.first() {
         return Err(error.clone().into());
@@ -100,7 +95,7 @@ pub(super) fn column_moments(column: &Column, height: f64) -> [f64; 3] {
     [mean, variance, first_order]
 }
 
-fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn column(context: &Context<'_>) -> CaseResult {
     let scene = Problem::RandomColumn.scene()?;
     let experiment = experiment::<1>(&scene)?;
     let plan = scene.plan::<1>()?;
@@ -109,7 +104,7 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     let gradient = study.propagated()?;
     let n_samples = if context.profile == Profile::Full { 1600 } else { 400 };
     let sampled = samples(&study, n_samples)?;
-    let (lines, mut claims) = (|method| Lines { context, id: "", method }, Vec::new());
+    let (lines, mut claims) = (|method| context.lines("", method), Vec::new());
     let fine = refined_column(&scene)?;
     for (g, gauge) in [(0, "middle"), (1, "top")] {
         let start = study.centre()[study.plan().index(g, 0, 0)];
@@ -121,50 +116,34 @@ fn column(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             "{n_samples} samples, Taylor series of {} terms as control variate",
             series.gradient.len()
         );
-        claims.push(lines(method.clone()).relative(
-            (&format!("mean/{gauge}"), &format!("mean displacement, {gauge}"), "m"),
-            found.mean.value - start,
-            mean,
-            0.002,
-            "statistics: three standard errors of the samples, 6e-4 each",
-        ));
-        claims.push(lines(method).relative(
-            (
-                &format!("variance/{gauge}"),
-                &format!("variance of the displacement, {gauge}"),
-                "m^2",
-            ),
-            found.variance.value,
-            variance,
-            0.01,
-            "80 particles, terms left out, and the samples' own error",
-        ));
+        let quantity = format!("mean displacement, {gauge}");
+        let reason = "statistics: three standard errors of the samples, 6e-4 each";
+        let subject = lines(method.clone()).of(format!("mean/{gauge}"), quantity).unit("m");
+        claims.push(subject.relative(found.mean.value - start, mean).within(0.002).because(reason));
+        let quantity = format!("variance of the displacement, {gauge}");
+        let reason = "80 particles, terms left out, and the samples' own error";
+        let subject = lines(method).of(format!("variance/{gauge}"), quantity).unit("m^2");
+        claims.push(subject.relative(found.variance.value, variance).within(0.01).because(reason));
         let method = format!("gradient by {} runs of jets", gradient.n_runs);
-        claims.push(lines(method).relative(
-            (&format!("first-order/{gauge}"), &format!("first-order variance, {gauge}"), "m^2"),
-            series.variance(),
-            first_order,
-            0.005,
-            "80 particles and terms left out",
-        ));
+        let quantity = format!("first-order variance, {gauge}");
+        let reason = "80 particles and terms left out";
+        let subject = lines(method).of(format!("first-order/{gauge}"), quantity).unit("m^2");
+        claims.push(subject.relative(series.variance(), first_order).within(0.005).because(reason));
         let coarse = study.run(&study.normals(SEED, 0))?[response] - start;
-        claims.push(lines("80 particles against 160, one realisation".to_owned()).relative(
-            (
-                &format!("two-grids/{gauge}"),
-                &format!("displacement of a realisation, {gauge}"),
-                "m",
-            ),
-            coarse,
-            fine[response] - start,
-            0.001,
-            "the error of the grid: the field is the same function of space",
-        ));
+        claims.push(
+            lines("80 particles against 160, one realisation".to_owned())
+                .of(format!("two-grids/{gauge}"), format!("displacement of a realisation, {gauge}"))
+                .unit("m")
+                .relative(coarse, fine[response] - start)
+                .within(0.001)
+                .because("the error of the grid: the field is the same function of space"),
+        );
     }
     Ok(claims)
 }
 
 /// The responses of the first realisation on a grid of half the cell.
-fn refined_column(scene: &SmpmScene) -> Result<Vec<f64>, CaseError> {
+fn refined_column(scene: &SmpmScene) -> CaseResult<Vec<f64>> {
     let mut scene = scene.clone();
     scene.grid.cell *= 0.5;
     let experiment = experiment::<1>(&scene)?;
@@ -182,7 +161,7 @@ struct Compared {
     deviation: f64,
 }
 
-fn compared(sampled: &Sampled, response: usize, series: &Series) -> Result<Compared, CaseError> {
+fn compared(sampled: &Sampled, response: usize, series: &Series) -> CaseResult<Compared> {
     let found = sampled.controlled(response, series)?;
     let deviation = found.variance.value.sqrt();
     Ok(Compared {
@@ -208,7 +187,7 @@ fn response_of<const D: usize>(
     plan.index(gauge, quantity, window)
 }
 
-fn plate(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn plate(context: &Context<'_>) -> CaseResult {
     let scene = Problem::RandomPlate.scene()?;
     let experiment = experiment::<2>(&scene)?;
     let study = Study::new(&experiment, experiment.inputs(), scene.plan::<2>()?)?;
@@ -223,29 +202,23 @@ fn plate(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         gradient.moments[0].gradient.len(),
         gradient.n_runs
     );
-    let lines = Lines { context, id: "", method };
+    let lines = context.lines("", method);
     for (window, time) in [(1, "8 us"), (2, "10 us"), (3, "12 us")] {
         let response = response_of(study.plan(), "H", 0, window);
         let of = compared(&sampled, response, &gradient.moments[response])?;
         let id = format!("variance/{}", time.replace(" us", ""));
-        claims.push(lines.bounded(
-            (&id, &format!("relative error of the variance of sigma_y at H, {time}"), ""),
-            of.variance[0],
-            0.001,
-            "statistics: four standard errors of the samples, 2e-4 each",
-        ));
+        let quantity = format!("relative error of the variance of sigma_y at H, {time}");
+        let claim = lines.of(&id, quantity).bounded(of.variance[0], 0.001);
+        claims.push(claim.because("statistics: four standard errors of the samples, 2e-4 each"));
         let id = format!("mean/{}", time.replace(" us", ""));
-        claims.push(lines.bounded(
-            (&id, &format!("error of the mean of sigma_y at H over its deviation, {time}"), ""),
-            of.mean[0],
-            0.001,
-            "statistics: the samples' own error",
-        ));
+        let quantity = format!("error of the mean of sigma_y at H over its deviation, {time}");
+        let claim = lines.of(&id, quantity).bounded(of.mean[0], 0.001);
+        claims.push(claim.because("statistics: the samples' own error"));
     }
     Ok(claims)
 }
 
-fn taylor_bar(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn taylor_bar(context: &Context<'_>) -> CaseResult {
     let scene = Problem::RandomTaylorBar.scene()?;
     let experiment = experiment::<2>(&scene)?;
     let study = Study::new(&experiment, experiment.inputs(), scene.plan::<2>()?)?;
@@ -259,28 +232,23 @@ fn taylor_bar(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         gradient.moments[0].gradient.len(),
         gradient.n_runs
     );
-    let lines = Lines { context, id: "", method };
+    let lines = context.lines("", method);
     // The place of the rear end: the length of the bar.
     let response = response_of(study.plan(), "rear", 1, 0);
     let of = compared(&sampled, response, &gradient.moments[response])?;
     Ok(vec![
-        lines.bounded(
-            ("variance", "relative error of the variance of the length", ""),
-            of.variance[0],
-            0.03,
-            "third derivatives, of the order of cv^2, and the samples' own error",
-        ),
-        lines.bounded(
-            ("mean", "error of the mean length over its deviation", ""),
-            of.mean[0],
-            0.03,
-            "fourth order, and the samples' own error",
-        ),
-        lines.measured(
-            ("deviation", "deviation of the length", "mm"),
-            of.deviation,
-            (0.2, 0.35),
-            "0.27 mm: 15 % of the yield stress, averaged over some correlation lengths",
-        ),
+        lines
+            .of("variance", "relative error of the variance of the length")
+            .bounded(of.variance[0], 0.03)
+            .because("third derivatives, of the order of cv^2, and the samples' own error"),
+        lines
+            .of("mean", "error of the mean length over its deviation")
+            .bounded(of.mean[0], 0.03)
+            .because("fourth order, and the samples' own error"),
+        lines
+            .of("deviation", "deviation of the length")
+            .unit("mm")
+            .measured(of.deviation, (0.2, 0.35))
+            .because("0.27 mm: 15 % of the yield stress, averaged over some correlation lengths"),
     ])
 }

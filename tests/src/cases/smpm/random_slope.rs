@@ -4,7 +4,6 @@ mod factor;
 mod setup;
 
 use reference_problems::smpm::problems::{Problem, experiment};
-use result_figures::{ErrorKind, Measured, Reference};
 use sde_integrators::{Estimate, normal_probability};
 use serde::Deserialize;
 use smpm::uncertainty::Study;
@@ -13,19 +12,14 @@ use uq_estimators::{
 };
 
 use self::setup::{Realisations, Setup};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::estimates::sampled;
-use crate::cases::lines::Lines;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const FACTOR: Case = Case {
     id: "smpm/random-slope/factor",
     title: "Factor of safety of a slope and of a vertical cut in clay, by the run in which they slide",
     source: "Cho 2010, Vargas Ceron et al. 2025 (second-hand), Griffiths & Fenton 2004, Kammoun et al. 2010",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: factors,
+    run: Together(factors),
 };
 
 pub(crate) const PROBABILITY: Case = Case {
@@ -33,8 +27,7 @@ pub(crate) const PROBABILITY: Case = Case {
     title: "Probability that a slope of random strength fails, mean and deviation of its factor of safety",
     source: "Cho 2010, Vargas Ceron et al. 2025: limit equilibrium, log spirals, finite elements (second-hand)",
     cost: Profile::Full,
-    schedule: Schedule::Together,
-    run: probability,
+    run: Together(probability),
 };
 
 const SEED: u64 = 7;
@@ -78,13 +71,13 @@ fn middle(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 }
 
 impl Published {
-    fn read() -> Result<Self, CaseError> {
+    fn read() -> CaseResult<Self> {
         let text = include_str!("../../../reference/published/smpm/undrained_slope.json");
         Ok(serde_json::from_str(text)?)
     }
 }
 
-fn factors(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn factors(context: &Context<'_>) -> CaseResult {
     let published = Published::read()?;
     let usual = Setup::USUAL.uniform(STRENGTH)?;
     let mut claims = against_published(context, &published, usual)?;
@@ -95,16 +88,12 @@ fn factors(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 }
 
 fn lines<'a>(context: &'a Context<'a>, setup: &Setup) -> Lines<'a> {
-    Lines { context, id: "", method: setup.words() }
+    context.lines("", setup.words())
 }
 
 /// The factor with the mean strength against those of other methods, by cells of one metre and a half, in full of a quarter; and at the strengths
 /// of Griffiths and Fenton.
-fn against_published(
-    context: &Context<'_>,
-    published: &Published,
-    usual: f64,
-) -> Result<Vec<Claim>, CaseError> {
+fn against_published(context: &Context<'_>, published: &Published, usual: f64) -> CaseResult {
     let [value, _] = middle(published.slope.factor.values().copied());
     let of = |cell: f64| {
         let setup = Setup { cell, ..Setup::USUAL };
@@ -118,32 +107,24 @@ fn against_published(
     }
     let mut claims = Vec::new();
     for (name, (setup, factor)) in found {
-        claims.push(lines(context, &setup).relative(
-            (&format!("{name}/factor"), "factor of safety at the mean strength", ""),
-            factor,
-            value,
-            0.02,
-            "published ones are 1.2 % to either side of their middle; inertia and slid distance, 1 %",
-        ));
+        let quantity = "factor of safety at the mean strength";
+        let reason = "published ones are 1.2 % to either side of their middle; inertia and slid distance, 1 %";
+        let subject = lines(context, &setup).of(format!("{name}/factor"), quantity);
+        claims.push(subject.relative(factor, value).within(0.02).because(reason));
     }
     for &[strength, factor] in &published.single_variable.factors {
-        claims.push(lines(context, &Setup::USUAL).relative(
-            (
-                &format!("griffiths-fenton/{strength}"),
-                &format!("factor of safety at c/(gamma H) = {strength}"),
-                "",
-            ),
-            Setup::USUAL.uniform(strength * LOAD)?,
-            factor,
-            0.01,
-            "their factors have two digits after the point; inertia and slid distance",
-        ));
+        let quantity = format!("factor of safety at c/(gamma H) = {strength}");
+        let reason = "their factors have two digits after the point; inertia and slid distance";
+        let subject =
+            lines(context, &Setup::USUAL).of(format!("griffiths-fenton/{strength}"), quantity);
+        let compared = subject.relative(Setup::USUAL.uniform(strength * LOAD)?, factor);
+        claims.push(compared.within(0.01).because(reason));
     }
     Ok(claims)
 }
 
 /// The factor by other choices over that by the usual ones, in cells of one metre.
-fn choices(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn choices(context: &Context<'_>) -> CaseResult {
     let usual = Setup { cell: 1.0, ..Setup::USUAL };
     let factor = usual.uniform(STRENGTH)?;
     let mut claims = Vec::new();
@@ -164,24 +145,18 @@ fn choices(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             (0.02, "a slope that has slid is flatter, and a later look has more load in excess"),
         ),
     ] {
-        claims.push(lines(context, &setup).bounded(
-            (
-                &format!("choice/{name}"),
-                "factor of safety over that by the usual choices, less 1",
-                "",
-            ),
-            setup.uniform(STRENGTH)? / factor - 1.0,
-            tolerance,
-            reason,
-        ));
+        let quantity = "factor of safety over that by the usual choices, less 1";
+        let subject = lines(context, &setup).of(format!("choice/{name}"), quantity);
+        let claim = subject.bounded(setup.uniform(STRENGTH)? / factor - 1.0, tolerance);
+        claims.push(claim.because(reason));
     }
     let four = Setup { particles_per_cell: 2, ..usual };
-    claims.push(lines(context, &four).measured(
-        ("locking/cell1", "factor of safety over that with one particle in a cell, less 1", ""),
-        four.uniform(STRENGTH)? / factor - 1.0,
-        (0.015, 0.03),
-        "volumetric locking: four particles prescribe four volumes in a cell, whose nodes have two components",
-    ));
+    claims.push(
+        lines(context, &four)
+            .of("locking/cell1", "factor of safety over that with one particle in a cell, less 1")
+            .measured(four.uniform(STRENGTH)? / factor - 1.0, (0.015, 0.03))
+            .because("volumetric locking: four particles prescribe four volumes in a cell, whose nodes have two components"),
+    );
     Ok(claims)
 }
 
@@ -196,23 +171,17 @@ fn single_variable(context: &Context<'_>, published: &SingleVariable, usual: f64
         let score = (critical / published.mean_strength).ln() / deviation + 0.5 * deviation;
         worst = worst.max((normal_probability(score) - probability).abs());
     }
-    lines(context, &Setup::USUAL).bounded(
-        (
-            "griffiths-fenton/single-variable",
-            "largest error of the probability of failure, one variable, six coefficients of variation",
-            "",
-        ),
-        worst,
-        0.01,
-        "0.7 times the relative error of the factor",
-    )
+    let quantity =
+        "largest error of the probability of failure, one variable, six coefficients of variation";
+    let subject = lines(context, &Setup::USUAL).of("griffiths-fenton/single-variable", quantity);
+    subject.bounded(worst, 0.01).because("0.7 times the relative error of the factor")
 }
 
 /// A vertical cut, on which nothing was chosen, against rigorous bounds.
-fn vertical_cut(context: &Context<'_>, published: &VerticalCut) -> Result<Vec<Claim>, CaseError> {
+fn vertical_cut(context: &Context<'_>, published: &VerticalCut) -> CaseResult {
     let [exact, _] = middle(published.stability_factor.into_iter());
     let strength = 30e3;
-    let of = |cell: f64| -> Result<(Setup, f64), CaseError> {
+    let of = |cell: f64| -> CaseResult<(Setup, f64)> {
         let setup = Setup { cell, ..Setup::USUAL };
         Ok((setup, setup.vertical_cut(strength)? * LOAD / strength))
     };
@@ -221,29 +190,15 @@ fn vertical_cut(context: &Context<'_>, published: &VerticalCut) -> Result<Vec<Cl
     for ((setup, found), (name, tolerance)) in
         [(coarse, ("cell0.5", 0.07)), (fine, ("cell0.25", 0.045))]
     {
-        claims.push(lines(context, &setup).relative(
-            (
-                &format!("vertical-cut/{name}"),
-                "stability factor gamma H/c of a vertical cut",
-                "",
-            ),
-            found,
-            exact,
-            tolerance,
-            "not reached: 2 %; first order in the cell, whose functions reach beyond the face of the cut",
-        ));
+        let quantity = "stability factor gamma H/c of a vertical cut";
+        let reason = "not reached: 2 %; first order in the cell, whose functions reach beyond the face of the cut";
+        let subject = lines(context, &setup).of(format!("vertical-cut/{name}"), quantity);
+        claims.push(subject.relative(found, exact).within(tolerance).because(reason));
     }
-    claims.push(lines(context, &fine.0).relative(
-        (
-            "vertical-cut/extrapolated",
-            "stability factor gamma H/c, cells to zero at first order",
-            "",
-        ),
-        2.0 * fine.1 - coarse.1,
-        exact,
-        0.02,
-        "inertia and slid distance, 1 %, and second order",
-    ));
+    let quantity = "stability factor gamma H/c, cells to zero at first order";
+    let reason = "inertia and slid distance, 1 %, and second order";
+    let subject = lines(context, &fine.0).of("vertical-cut/extrapolated", quantity);
+    claims.push(subject.relative(2.0 * fine.1 - coarse.1, exact).within(0.02).because(reason));
     Ok(claims)
 }
 
@@ -257,7 +212,7 @@ const COSTS: [f64; 2] = [1.0, 12.0];
 const WIDTH: f64 = 0.1;
 
 /// Mean and variance of the factor and the probability that it is below one, by two levels.
-fn by_levels() -> Result<MultilevelResult, CaseError> {
+fn by_levels() -> CaseResult<MultilevelResult> {
     // All of it is for the standard error, since the finer level is taken as exact.
     const TOLERANCE: f64 = 0.0106;
     let levels = [Realisations::new(COARSE, SEED)?, Realisations::new(FINE, SEED)?];
@@ -285,7 +240,7 @@ fn by_levels() -> Result<MultilevelResult, CaseError> {
     Ok(study.run(&Levels { costs: &COSTS, n_responses: 2, run })?)
 }
 
-fn probability(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn probability(context: &Context<'_>) -> CaseResult {
     let slope = Published::read()?.slope;
     context.progress("factors of realisations on two grids");
     let found = by_levels()?;
@@ -294,15 +249,14 @@ fn probability(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
         "multilevel, {} runs in cells of 1 m and {} pairs with cells of 0.5 m, gravity grows by {} and {} of its value a second",
         runs[0], runs[1], COARSE.rate, FINE.rate
     );
-    let lines = Lines { context, id: "", method };
+    let lines = context.lines("", method);
     let [of_mean, of_variance, of_failure] = &found.targets[..] else {
         return Err("three targets were asked for".into());
     };
     let mut claims = moments(&lines, &slope, (&of_mean.estimate, &of_variance.estimate))?;
     let estimate = sampled(&of_failure.estimate)?;
     claims.push(among_published(
-        &lines,
-        ("probability", "probability of failure", ""),
+        lines.of("probability", "probability of failure"),
         (ErrorKind::Absolute, estimate),
         middle(slope.probability.values().copied()),
         (of_failure.smoothing, "and the smoothing of the step"),
@@ -314,8 +268,7 @@ fn probability(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
 
 /// A value against the middle of the published ones: half their spread, a bias and two standard errors away.
 fn among_published(
-    lines: &Lines<'_>,
-    of: (&str, &str, &str),
+    subject: Subject,
     (kind, measured): (ErrorKind, Measured),
     [value, spread]: [f64; 2],
     (bias, source): (f64, &str),
@@ -324,8 +277,7 @@ fn among_published(
     let statistical = 2.0 * measured.standard_error.unwrap_or(f64::NAN) / unit;
     let tolerance = spread / unit + bias + statistical;
     let reason = format!("half the spread of the published ones, two standard errors, {source}");
-    let criterion = Criterion::Within { tolerance, reason: &reason };
-    lines.judge_measured(of, kind, measured, Reference::exact(value), criterion)
+    subject.compared(kind, measured, value).within(tolerance).because(&reason)
 }
 
 /// Mean and deviation of the factor against the published ones.
@@ -333,7 +285,7 @@ fn moments(
     lines: &Lines<'_>,
     slope: &Slope,
     (of_mean, of_variance): (&Estimate, &Estimate),
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let (mean, variance) = (sampled(of_mean)?, sampled(of_variance)?);
     let deviation = variance.value.sqrt();
     // To first order.
@@ -342,15 +294,13 @@ fn moments(
     let published = |k: usize| middle(slope.moments.values().map(move |of| of[k]));
     Ok(vec![
         among_published(
-            lines,
-            ("mean", "mean of the factor of safety", ""),
+            lines.of("mean", "mean of the factor of safety"),
             (ErrorKind::Relative, mean),
             published(0),
             (0.007, "and inertia"),
         ),
         among_published(
-            lines,
-            ("deviation", "standard deviation of the factor of safety", ""),
+            lines.of("deviation", "standard deviation of the factor of safety"),
             (ErrorKind::Relative, deviation),
             published(1),
             (0.05, "and zones of sliding as thick as a cell, which average the strength"),
@@ -359,7 +309,7 @@ fn moments(
 }
 
 /// Share of realisations for which the scene's own criterion, a displacement under the weight, and the factor disagree.
-fn verdicts(context: &Context<'_>) -> Result<Claim, CaseError> {
+fn verdicts(context: &Context<'_>) -> CaseResult<Claim> {
     const N: u64 = 100;
     let scene = Problem::RandomSlope.scene()?;
     let level = scene.levels["position_1"][0];
@@ -375,10 +325,8 @@ fn verdicts(context: &Context<'_>) -> Result<Claim, CaseError> {
     let method = format!(
         "{N} realisations, cells of 1 m: shoulder 0.1 m further after 2 s of the whole weight, against a factor below 1"
     );
-    Ok(Lines { context, id: "", method }.bounded(
-        ("verdicts", "share of realisations whose displacement and factor disagree", ""),
-        f64::from(n_apart) / N as f64,
-        0.02,
-        "statistics: the factor is 0.3 to 1 % too high by inertia, where its density is 1",
-    ))
+    let quantity = "share of realisations whose displacement and factor disagree";
+    let reason = "statistics: the factor is 0.3 to 1 % too high by inertia, where its density is 1";
+    let lines = context.lines("", method);
+    Ok(lines.of("verdicts", quantity).bounded(f64::from(n_apart) / N as f64, 0.02).because(reason))
 }

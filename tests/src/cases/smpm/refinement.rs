@@ -3,17 +3,14 @@
 use reference_problems::smpm::problems::{Problem, experiment};
 use smpm::uncertainty::Experiment;
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/refinement",
     title: "Flow stress at H, 9 us, over the cell",
     source: "own runs; Chen et al. 2019, section 5.2, whose cells are 0.5 cm",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const TIME: f64 = 9.0;
@@ -26,7 +23,7 @@ const ROWS: [(f64, f64); 3] = [(1.0, 0.08), (0.5, 0.03), (0.25, 1.5e-3)];
 const FINER: (f64, f64) = (0.0625, 0.05);
 
 /// The flow stress at H (Mbar).
-fn at(cell: f64) -> Result<f64, CaseError> {
+fn at(cell: f64) -> CaseResult<f64> {
     let mut scene = Problem::ContactExplosion.scene_with(0.0, &[TIME])?;
     scene.grid.cell = cell;
     scene.gauges.retain(|gauge| gauge.name == "H");
@@ -37,24 +34,20 @@ fn at(cell: f64) -> Result<f64, CaseError> {
     Ok(*record.values.first().ok_or("no value was recorded")?)
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let rows = ROWS.into_iter().chain((context.profile == Profile::Full).then_some(FINER));
     context.progress(&format!("{REFERENCE} cm"));
     let reference = at(REFERENCE)?;
     let mut claims = Vec::new();
     for (cell, tolerance) in rows {
         context.progress(&format!("{cell} cm"));
-        let id = format!("cell{cell}");
         let method = format!(
             "quadratic B-splines, FLIP, MUSL, cells of {cell} cm against cells of {REFERENCE} cm"
         );
-        claims.push(Lines { context, id: &id, method }.relative(
-            ("flow-stress", "sigma_y at H", "Mbar"),
-            at(cell)?,
-            reference,
-            tolerance,
-            "converges, to 3 % from half a centimetre on; deviator and pressure at an instant do not, and have no claim",
-        ));
+        let reason = "converges, to 3 % from half a centimetre on; deviator and pressure at an instant do not, and have no claim";
+        let lines = context.lines(format!("cell{cell}"), method);
+        let subject = lines.of("flow-stress", "sigma_y at H").unit("Mbar");
+        claims.push(subject.relative(at(cell)?, reference).within(tolerance).because(reason));
     }
     Ok(claims)
 }

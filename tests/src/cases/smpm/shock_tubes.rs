@@ -1,16 +1,11 @@
 //! Riemann problems between gases, liquids and metal as stiffened gases: profiles against the exact solution.
 
-use result_figures::{ErrorKind, Reference};
 use smpm::material::{Fluid, Solid, StiffenedGas, StiffenedGasParameters};
 use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Shape, Side, Simulation, Transfer,
 };
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 use crate::smpm::riemann::{Gas, Riemann};
 
 pub(crate) const CASE: Case = Case {
@@ -18,8 +13,7 @@ pub(crate) const CASE: Case = Case {
     title: "Riemann problems: Sod's, water, steel",
     source: "exact solution of the Riemann problem; Sod 1978, Toro 2009",
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// A tube from -1 to 1 with the contact at zero.
@@ -79,10 +73,10 @@ const TUBES: [Tube; 3] = [
 ];
 
 /// Error of pressure and velocity, each the mean over the particles between the walls' waves, over the largest.
-fn errors(tube: &Tube, shape: Shape, n_cells: u32) -> Result<[f64; 2], CaseError> {
+fn errors(tube: &Tube, shape: Shape, n_cells: u32) -> CaseResult<[f64; 2]> {
     let exact = Riemann::new(tube.left, tube.right)?;
     let cell = 2.0 / f64::from(n_cells);
-    let body = |gas: &Gas, from: f64, to: f64| -> Result<Body<f64, 1>, CaseError> {
+    let body = |gas: &Gas, from: f64, to: f64| -> CaseResult<Body<f64, 1>> {
         let equation = StiffenedGas::new(StiffenedGasParameters {
             density: gas.density,
             exponent: gas.exponent,
@@ -123,7 +117,7 @@ fn errors(tube: &Tube, shape: Shape, n_cells: u32) -> Result<[f64; 2], CaseError
     Ok(std::array::from_fn(|k| sums[k] / (n * largest[k])))
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut claims = Vec::new();
     for tube in &TUBES {
         context.progress(tube.name);
@@ -134,33 +128,33 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
                 "{shape} B-splines, APIC, MUSL, viscosity 1.5 and 0.3, 2 particles a cell, {cells}"
             )
         };
-        let lines = |method: String| Lines { context, id: tube.name, method };
+        let lines = |method: String| context.lines(tube.name, method);
         let mut order = Worst::about(tube.order);
         for (k, quantity) in ["pressure", "velocity"].into_iter().enumerate() {
-            claims.push(lines(method("cubic", "200 cells")).bounded(
-                (quantity, "mean absolute error, over the largest value", ""),
-                fine[k],
-                tube.tolerances[k],
-                tube.reason,
-            ));
+            claims.push(
+                lines(method("cubic", "200 cells"))
+                    .of(quantity, "mean absolute error, over the largest value")
+                    .bounded(fine[k], tube.tolerances[k])
+                    .because(tube.reason),
+            );
             order.take((coarse[k] / fine[k]).log2(), quantity);
         }
-        claims.push(lines(order.method(&method("cubic", "100 and 200 cells"))).judge(
-            ("order", "order of the mean error of pressure or velocity", ""),
-            ErrorKind::Absolute,
-            order.value(),
-            Reference::exact(tube.order),
-            Criterion::Within { tolerance: 0.15, reason: tube.reason },
-        ));
+        claims.push(
+            lines(order.method(&method("cubic", "100 and 200 cells")))
+                .of("order", "order of the mean error of pressure or velocity")
+                .absolute(order.value(), tube.order)
+                .within(0.15)
+                .because(tube.reason),
+        );
         let [fine, finest] =
             [200, 800].map(|n_cells| errors(tube, Shape::QuadraticBSpline, n_cells));
         let (fine, finest) = (fine?, finest?);
-        claims.push(lines(method("quadratic", "800 over 200 cells")).measured(
-            ("quadratic", "ratio of the mean errors of pressure or velocity, the larger", ""),
-            (finest[0] / fine[0]).max(finest[1] / fine[1]),
-            tube.quadratic,
-            "with quadratic B-splines, APIC and two particles a cell the errors of gases grow beyond 400 cells; cubic ones, FLIP or four particles do not",
-        ));
+        claims.push(
+            lines(method("quadratic", "800 over 200 cells"))
+                .of("quadratic", "ratio of the mean errors of pressure or velocity, the larger")
+                .measured((finest[0] / fine[0]).max(finest[1] / fine[1]), tube.quadratic)
+                .because("with quadratic B-splines, APIC and two particles a cell the errors of gases grow beyond 400 cells; cubic ones, FLIP or four particles do not"),
+        );
     }
     Ok(claims)
 }

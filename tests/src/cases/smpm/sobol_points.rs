@@ -6,19 +6,15 @@ use smpm::Plan;
 use smpm::uncertainty::{Design, Study};
 use uq_estimators::{Estimate, PolynomialMoments, Sampling, SobolIndices, UnitCube};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
+use crate::cases::prelude::*;
 use crate::cases::smpm::contact_explosion;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/contact-explosion/sobol-points",
     title: "Variance and Sobol' indices behind an explosion by 128 runs at Sobol' points, four designs",
     source: "own runs: 1,024 at other points, 250 independent ones, 896 of the design of Saltelli et al. 2010",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 const STRENGTH: f64 = 0.15;
@@ -37,7 +33,7 @@ fn cube(n_points: u64, seed: u64) -> UnitCube {
 fn fitted(
     study: &Study<'_, SceneExperiment<2>, 2>,
     cube: UnitCube,
-) -> Result<Vec<PolynomialMoments>, CaseError> {
+) -> CaseResult<Vec<PolynomialMoments>> {
     let sampled = study.sampled(Design::QuasiRandom(cube))?;
     let polynomial = sampled.polynomial_control()?;
     let of = |response| Ok(polynomial.moments(&sampled.values(response)?)?);
@@ -48,7 +44,7 @@ fn error(estimate: &Estimate) -> f64 {
     estimate.standard_error().unwrap_or(f64::NAN)
 }
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut scene = Problem::ContactExplosion.scene_with(STRENGTH, &TIMES)?;
     scene.quantities = vec!["flow_stress".to_owned(), "deviator_11".to_owned()];
     let experiment = experiment::<2>(&scene)?;
@@ -103,34 +99,25 @@ fn variances(
             left_at_h.take(many.unexplained, &place);
         }
     }
-    let line =
-        |worst: &Worst, method: &str| Lines { context, id: "", method: worst.method(method) };
+    let line = |worst: &Worst, method: &str| context.lines("", worst.method(method));
     let polynomial = "8 replicas of 16 Sobol' points with a polynomial, worst of four designs";
     vec![
-        line(&off, polynomial).bounded(
-            ("flow-stress/variance", "relative error of Var sigma_y", ""),
-            off.value(),
-            5e-3,
-            "0.5 % is asked; statistics of 128 runs",
-        ),
-        line(&stated, polynomial).measured(
-            ("flow-stress/stated-error", "standard error over Var sigma_y", ""),
-            stated.value(),
-            (2e-3, 8e-3),
-            "0.5 % is asked: the deviation is, the error stated of one design is more",
-        ),
-        line(&left, polynomial).bounded(
-            ("flow-stress/unexplained", "part of the variance that the polynomial leaves", ""),
-            left.value(),
-            4e-4,
-            "a smooth response at 15 %: what degree four and higher have of it, of the worst design",
-        ),
-        line(&left_at_h, "8 replicas of 128 points").measured(
-            ("deviator-11/unexplained", "part of Var S11 at H that the polynomial leaves", ""),
-            left_at_h.value(),
-            (0.02, 0.3),
-            "reverse yield begins within the scatter: a kink, which no polynomial follows",
-        ),
+        line(&off, polynomial)
+            .of("flow-stress/variance", "relative error of Var sigma_y")
+            .bounded(off.value(), 5e-3)
+            .because("0.5 % is asked; statistics of 128 runs"),
+        line(&stated, polynomial)
+            .of("flow-stress/stated-error", "standard error over Var sigma_y")
+            .measured(stated.value(), (2e-3, 8e-3))
+            .because("0.5 % is asked: the deviation is, the error stated of one design is more"),
+        line(&left, polynomial)
+            .of("flow-stress/unexplained", "part of the variance that the polynomial leaves")
+            .bounded(left.value(), 4e-4)
+            .because("a smooth response at 15 %: what degree four and higher have of it, of the worst design"),
+        line(&left_at_h, "8 replicas of 128 points")
+            .of("deviator-11/unexplained", "part of Var S11 at H that the polynomial leaves")
+            .measured(left_at_h.value(), (0.02, 0.3))
+            .because("reverse yield begins within the scatter: a kink, which no polynomial follows"),
     ]
 }
 
@@ -139,7 +126,7 @@ fn against_samples(
     context: &Context<'_>,
     plan: &Plan<2>,
     many: &[PolynomialMoments],
-) -> Result<Claim, CaseError> {
+) -> CaseResult<Claim> {
     let solved = contact_explosion::solved(context, Problem::ContactExplosion, STRENGTH)?;
     let mut worst = Worst::of_errors();
     for (response, found) in many.iter().enumerate() {
@@ -158,13 +145,11 @@ fn against_samples(
         worst.take(distance / scale, &place(plan, response));
     }
     let method = worst.method("1,024 runs at Sobol' points against independent samples");
-    let reason = "statistics: four standard errors; the responses are close to one random number";
-    Ok(Lines { context, id: "", method }.bounded(
-        ("flow-stress/independent-samples", "distance of Var sigma_y in standard errors", ""),
-        worst.value(),
-        4.0,
-        reason,
-    ))
+    Ok(context
+        .lines("", method)
+        .of("flow-stress/independent-samples", "distance of Var sigma_y in standard errors")
+        .bounded(worst.value(), 4.0)
+        .because("statistics: four standard errors; the responses are close to one random number"))
 }
 
 fn of_indices(
@@ -185,24 +170,20 @@ fn of_indices(
             sums.take((side * (sum.value - 1.0) / error(sum)).max(0.0), "a sum");
         }
     }
-    let line =
-        |worst: &Worst, method: &str| Lines { context, id: "", method: worst.method(method) };
+    let line = |worst: &Worst, method: &str| context.lines("", worst.method(method));
     vec![
-        line(&apart, "polynomial against the design of Saltelli").bounded(
-            ("flow-stress/indices", "distance of Sobol' indices in standard errors", ""),
-            apart.value(),
-            4.0,
-            "statistics: four standard errors, of ten indices of one random number",
-        ),
-        line(&sums, "design of Saltelli").bounded(
-            (
+        line(&apart, "polynomial against the design of Saltelli")
+            .of("flow-stress/indices", "distance of Sobol' indices in standard errors")
+            .bounded(apart.value(), 4.0)
+            .because("statistics: four standard errors, of ten indices of one random number"),
+        line(&sums, "design of Saltelli")
+            .of(
                 "flow-stress/index-sums",
                 "excess of the sums over what they may be, in standard errors",
-                "",
+            )
+            .bounded(sums.value(), 3.0)
+            .because(
+                "statistics: first-order indices sum to at most one, total ones to at least one",
             ),
-            sums.value(),
-            3.0,
-            "statistics: first-order indices sum to at most one, total ones to at least one",
-        ),
     ]
 }

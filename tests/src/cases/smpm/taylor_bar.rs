@@ -3,16 +3,11 @@
 mod bar;
 mod reference;
 
-use result_figures::{ErrorKind, Reference};
 use scenes::smpm::material_scene::{EquationScene, MaterialScene, ParameterScene, StrengthScene};
 
 use self::bar::{Specimen, axisymmetric, quarter};
 use self::reference::{Benchmark, Recovered, TaylorTests};
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::claim::Criterion;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 const SOURCE: &str = "recovered bars of Johnson and Holmquist 1988, Wilkins and Guinan 1973, House et al. 1995 and Zelepugin et al. 2022, second-hand; constants of MPM3D-F90 and of Johnson and Cook 1983";
 
@@ -21,8 +16,7 @@ pub(crate) const AXISYMMETRIC: Case = Case {
     title: "Taylor bar of copper at 190 m/s, axisymmetric: length, foot, bulge",
     source: SOURCE,
     cost: Profile::Quick,
-    schedule: Schedule::Together,
-    run: run_axisymmetric,
+    run: Together(run_axisymmetric),
 };
 
 pub(crate) const QUARTER: Case = Case {
@@ -30,8 +24,7 @@ pub(crate) const QUARTER: Case = Case {
     title: "The same as a quarter in three dimensions",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: run_quarter,
+    run: Together(run_quarter),
 };
 
 pub(crate) const BENCHMARK: Case = Case {
@@ -39,8 +32,7 @@ pub(crate) const BENCHMARK: Case = Case {
     title: "Copper bar at 227 m/s with linear hardening, against converged finite elements",
     source: "Foulk et al. 2021, Simo 1992, Zienkiewicz et al. 1998, as collected by Cthonios/Carina.jl",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: run_benchmark,
+    run: Together(run_benchmark),
 };
 
 pub(crate) const PREDICTED: Case = Case {
@@ -48,8 +40,7 @@ pub(crate) const PREDICTED: Case = Case {
     title: "Recovered bars of copper and 4340 steel, predicted with constants from elsewhere",
     source: SOURCE,
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run: run_predicted,
+    run: Together(run_predicted),
 };
 
 const SIZES: [(&str, &str); 3] = [
@@ -70,54 +61,43 @@ fn method(cells: u32) -> String {
 const FINE: u32 = 8;
 
 /// The recovered bar of the scene.
-fn recovered(tests: &TaylorTests) -> Result<[f64; 3], CaseError> {
+fn recovered(tests: &TaylorTests) -> CaseResult<[f64; 3]> {
     let bar = tests.tests.iter().find(|test| test.name == "johnson-cook-190");
     let sizes = bar.and_then(|bar| Some([bar.final_length, bar.foot?, bar.bulge?]));
     Ok(sizes.ok_or("no recovered bar of 190 m/s")?)
 }
 
-fn run_axisymmetric(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run_axisymmetric(context: &Context<'_>) -> CaseResult {
     let recovered = recovered(&TaylorTests::read()?)?;
     context.progress("8 and 12 cells to the radius");
     let (bar, finer) = (axisymmetric(&of_scene(FINE), None)?, axisymmetric(&of_scene(12), None)?);
-    let lines = |method: String| Lines { context, id: "", method };
+    let lines = |method: String| context.lines("", method);
     let mut claims = Vec::new();
     for (k, tolerance) in [0.006, 0.04, 0.03].into_iter().enumerate() {
-        claims.push(lines(method(FINE)).relative(
-            (SIZES[k].0, &format!("{} at 80 us", SIZES[k].1), "mm"),
-            bar.sizes[k],
-            recovered[k],
-            tolerance,
-            "constants of MPM3D-F90; read second-hand to 1 % of a length and 2 % of a diameter",
-        ));
+        let quantity = format!("{} at 80 us", SIZES[k].1);
+        let reason =
+            "constants of MPM3D-F90; read second-hand to 1 % of a length and 2 % of a diameter";
+        let subject = lines(method(FINE)).of(SIZES[k].0, quantity).unit("mm");
+        claims.push(subject.relative(bar.sizes[k], recovered[k]).within(tolerance).because(reason));
     }
     let mut change = Worst::of_errors();
     for (k, (_, size)) in SIZES.into_iter().enumerate() {
         change.take(finer.sizes[k] / bar.sizes[k] - 1.0, size);
     }
-    claims.push(lines(change.method("12 cells to the radius over 8")).bounded(
-        ("refined", "relative change of a size", ""),
-        change.value(),
-        0.015,
-        "the rim of the foot is thin, a cell or two",
-    ));
-    claims.push(lines(method(FINE)).relative(
-        ("energy", "energy over that of the start", ""),
-        bar.energy,
-        1.0,
-        2.5e-3,
-        "FLIP over one to two thousand steps with a free surface",
-    ));
-    claims.push(lines(method(FINE)).bounded(
-        ("rest", "velocity of the centre of mass at 80 us, over that of impact", ""),
-        bar.rest,
-        0.05,
-        "it has come to rest but for elastic waves: the wall does not let go",
-    ));
+    let quantity = "relative change of a size";
+    let subject = lines(change.method("12 cells to the radius over 8")).of("refined", quantity);
+    let claim = subject.bounded(change.value(), 0.015);
+    claims.push(claim.because("the rim of the foot is thin, a cell or two"));
+    let reason = "FLIP over one to two thousand steps with a free surface";
+    let subject = lines(method(FINE)).of("energy", "energy over that of the start");
+    claims.push(subject.relative(bar.energy, 1.0).within(2.5e-3).because(reason));
+    let quantity = "velocity of the centre of mass at 80 us, over that of impact";
+    let reason = "it has come to rest but for elastic waves: the wall does not let go";
+    claims.push(lines(method(FINE)).of("rest", quantity).bounded(bar.rest, 0.05).because(reason));
     Ok(claims)
 }
 
-fn run_quarter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run_quarter(context: &Context<'_>) -> CaseResult {
     let recovered = recovered(&TaylorTests::read()?)?;
     let resolutions: &[u32] = if context.profile == Profile::Full { &[5, 8] } else { &[5] };
     let mut claims = Vec::new();
@@ -129,54 +109,36 @@ fn run_quarter(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             apart.take(solid.sizes[k] / flat.sizes[k] - 1.0, size);
             off.take(solid.sizes[k] / recovered[k] - 1.0, size);
         }
-        let id = format!("cells{cells}");
-        let lines = |method: String| Lines { context, id: &id, method };
-        claims.push(lines(apart.method(&method(cells))).bounded(
-            ("axisymmetric", "relative distance of a size from the axisymmetric one", ""),
-            apart.value(),
-            8e-3,
-            "here the circle is one of boxes",
-        ));
-        claims.push(lines(off.method(&method(cells))).bounded(
-            ("recovered", "relative error of a size of the recovered bar", ""),
-            off.value(),
-            0.05,
-            "five cells to the radius, and constants of MPM3D-F90",
-        ));
-        claims.push(lines(method(cells)).relative(
-            ("energy", "energy over that of the start", ""),
-            solid.energy,
-            1.0,
-            4e-3,
-            "FLIP over one to two thousand steps with a free surface",
-        ));
+        let lines = |method: String| context.lines(format!("cells{cells}"), method);
+        let quantity = "relative distance of a size from the axisymmetric one";
+        let subject = lines(apart.method(&method(cells))).of("axisymmetric", quantity);
+        let claim = subject.bounded(apart.value(), 8e-3);
+        claims.push(claim.because("here the circle is one of boxes"));
+        let quantity = "relative error of a size of the recovered bar";
+        let subject = lines(off.method(&method(cells))).of("recovered", quantity);
+        let claim = subject.bounded(off.value(), 0.05);
+        claims.push(claim.because("five cells to the radius, and constants of MPM3D-F90"));
+        let reason = "FLIP over one to two thousand steps with a free surface";
+        let subject = lines(method(cells)).of("energy", "energy over that of the start");
+        claims.push(subject.relative(solid.energy, 1.0).within(4e-3).because(reason));
     }
     Ok(claims)
 }
 
-fn run_benchmark(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run_benchmark(context: &Context<'_>) -> CaseResult {
     let of = TaylorTests::read()?.benchmark;
     let mut claims = Vec::new();
     for (cells, of_length) in [(8, 5e-3), (12, 4e-3)] {
         context.progress(&format!("{cells} cells to the radius"));
         let bar = axisymmetric(&of.specimen(cells), Some(material_of_benchmark(&of)))?;
-        let id = format!("cells{cells}");
-        let lines = Lines { context, id: &id, method: method(cells) };
+        let lines = context.lines(format!("cells{cells}"), method(cells));
         let reason = "published radii are 7.11 to 7.23 mm, lengths 21.42 to 21.48 mm; the rim of the foot is a cell or two thin";
-        claims.push(lines.relative(
-            ("length", "length at 80 us", "mm"),
-            bar.sizes[0],
-            of.final_length,
-            of_length,
-            reason,
-        ));
-        claims.push(lines.relative(
-            ("radius", "radius of the foot at 80 us", "mm"),
-            0.5 * bar.sizes[1],
-            of.final_radius,
-            0.02,
-            reason,
-        ));
+        let subject = lines.of("length", "length at 80 us").unit("mm");
+        let compared = subject.relative(bar.sizes[0], of.final_length);
+        claims.push(compared.within(of_length).because(reason));
+        let subject = lines.of("radius", "radius of the foot at 80 us").unit("mm");
+        let compared = subject.relative(0.5 * bar.sizes[1], of.final_radius);
+        claims.push(compared.within(0.02).because(reason));
     }
     Ok(claims)
 }
@@ -199,58 +161,32 @@ enum Expected {
 
 use Expected::{Seen, Within};
 
+const fn predicts(make: &'static str, law: Law, expected: [Option<Expected>; 3]) -> Prediction {
+    Prediction { make, law, expected }
+}
+
+const GOOD: Option<Expected> = Some(Within(0.1));
+
 const PREDICTIONS: [Prediction; 9] = [
-    Prediction {
-        make: "johnson-cook",
-        law: Law::Linear,
-        expected: [Some(Within(0.03)), Some(Seen(0.09, 0.14)), Some(Within(0.1))],
-    },
-    Prediction {
-        make: "wilkins-guinan",
-        law: Law::Linear,
-        expected: [Some(Seen(-0.11, -0.07)), Some(Seen(-0.18, -0.12)), Some(Within(0.1))],
-    },
-    Prediction {
-        make: "house",
-        law: Law::Linear,
-        expected: [Some(Seen(-0.19, -0.14)), Some(Within(0.1)), None],
-    },
-    Prediction {
-        make: "zelepugin",
-        law: Law::Linear,
-        expected: [Some(Seen(-0.17, -0.11)), Some(Within(0.1)), None],
-    },
-    Prediction {
-        make: "johnson-cook",
-        law: Law::JohnsonCook,
-        expected: [Some(Within(0.1)), Some(Seen(0.1, 0.15)), Some(Within(0.1))],
-    },
-    Prediction {
-        make: "wilkins-guinan",
-        law: Law::JohnsonCook,
-        expected: [Some(Within(0.05)), Some(Within(0.1)), Some(Within(0.1))],
-    },
-    Prediction {
-        make: "house",
-        law: Law::JohnsonCook,
-        expected: [Some(Seen(-0.13, -0.09)), Some(Within(0.1)), None],
-    },
-    Prediction {
-        make: "zelepugin",
-        law: Law::JohnsonCook,
-        expected: [Some(Within(0.1)), Some(Within(0.1)), None],
-    },
-    Prediction {
-        make: "johnson-cook",
-        law: Law::Steel,
-        expected: [Some(Within(0.1)), Some(Within(0.1)), Some(Within(0.05))],
-    },
+    predicts("johnson-cook", Law::Linear, [Some(Within(0.03)), Some(Seen(0.09, 0.14)), GOOD]),
+    predicts(
+        "wilkins-guinan",
+        Law::Linear,
+        [Some(Seen(-0.11, -0.07)), Some(Seen(-0.18, -0.12)), GOOD],
+    ),
+    predicts("house", Law::Linear, [Some(Seen(-0.19, -0.14)), GOOD, None]),
+    predicts("zelepugin", Law::Linear, [Some(Seen(-0.17, -0.11)), GOOD, None]),
+    predicts("johnson-cook", Law::JohnsonCook, [GOOD, Some(Seen(0.1, 0.15)), GOOD]),
+    predicts("wilkins-guinan", Law::JohnsonCook, [Some(Within(0.05)), GOOD, GOOD]),
+    predicts("house", Law::JohnsonCook, [Some(Seen(-0.13, -0.09)), GOOD, None]),
+    predicts("zelepugin", Law::JohnsonCook, [GOOD, GOOD, None]),
+    predicts("johnson-cook", Law::Steel, [GOOD, GOOD, Some(Within(0.05))]),
 ];
 
 /// Longer bars of House are left to the full profile: what they say is the same (mm).
 const LONGEST: f64 = 40.0;
 
-fn run_predicted(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run_predicted(context: &Context<'_>) -> CaseResult {
     let tests = TaylorTests::read()?.tests;
     let mut claims = Vec::new();
     for prediction in &PREDICTIONS {
@@ -269,7 +205,7 @@ fn predicted<'a>(
     context: &Context<'_>,
     prediction: &Prediction,
     tests: impl Iterator<Item = &'a Recovered>,
-) -> Result<Vec<Claim>, CaseError> {
+) -> CaseResult {
     let mut worst: [Worst; 3] = std::array::from_fn(|_| Worst::of_errors());
     for test in tests {
         context.progress(&format!("{} by {}", test.name, prediction.law.name()));
@@ -285,20 +221,12 @@ fn predicted<'a>(
     }
     let id = format!("{}/{}", prediction.make, prediction.law.name());
     let claim = |k: usize, expected: Expected| {
-        let lines = Lines { context, id: &id, method: worst[k].method(&method(FINE)) };
-        let quantity = format!("relative error of the {}", SIZES[k].1);
-        let of = (SIZES[k].0, quantity.as_str(), "");
+        let lines = context.lines(&id, worst[k].method(&method(FINE)));
+        let subject = lines.of(SIZES[k].0, format!("relative error of the {}", SIZES[k].1));
+        let (compared, reason) = (subject.absolute(worst[k].value(), 0.0), prediction.law.reason());
         match expected {
-            Within(tolerance) => {
-                lines.bounded(of, worst[k].value(), tolerance, prediction.law.reason())
-            }
-            Seen(from, to) => lines.judge(
-                of,
-                ErrorKind::Absolute,
-                worst[k].value(),
-                Reference::exact(0.0),
-                Criterion::AsMeasured { from, to, reason: prediction.law.reason() },
-            ),
+            Within(tolerance) => compared.within(tolerance).because(reason),
+            Seen(from, to) => compared.as_measured(from, to).because(reason),
         }
     };
     let expected = prediction.expected.into_iter().enumerate();

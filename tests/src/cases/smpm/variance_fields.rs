@@ -6,18 +6,14 @@ use reference_problems::smpm::problems::{Problem, experiment};
 use scenes::smpm::scene::GaugeScene;
 use smpm::uncertainty::{Study, Switch};
 
-use crate::case::{Case, CaseError, Context, Profile, Schedule};
-use crate::cases::lines::Lines;
-use crate::cases::worst::Worst;
-use crate::report::Claim;
+use crate::cases::prelude::*;
 
 pub(crate) const CASE: Case = Case {
     id: "smpm/variance-fields",
     title: "Standard deviations at ten particles of a plate beside an explosion, from one run, against sampled runs",
     source: "own whole runs; Chen et al. 2019, section 5.2, whose figures are means",
     cost: Profile::Default,
-    schedule: Schedule::Together,
-    run,
+    run: Together(run),
 };
 
 /// When the pictures of docs/methods/smpm.md are taken (us).
@@ -48,7 +44,7 @@ const QUANTITIES: [(&str, &str, &str, [f64; 2]); 3] = [
 /// The quantity and the particle at which the error is known to be large: near a switch, of which `Switch` warns.
 const KNOWN: (&str, usize) = ("deviator-22", 0);
 
-fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
+fn run(context: &Context<'_>) -> CaseResult {
     let mut scene = Problem::ContactExplosion.scene_with(COEFFICIENT_OF_VARIATION, &[TIME])?;
     let gauge = |at: &[f64; 2]| GaugeScene {
         name: format!("{} {} cm", at[0], at[1]),
@@ -69,7 +65,7 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
     for (q, (_, id, symbol, [of_median, of_worst])) in QUANTITIES.into_iter().enumerate() {
         let (mut worst, mut errors, mut n_warned) = (Worst::of_errors(), Vec::new(), 0);
         let method = format!("jets, against {n_samples} sampled runs with control variate");
-        let lines = |method: String| Lines { context, id, method };
+        let lines = |method: String| context.lines(id, method);
         for gauge in 0..POINTS.len() {
             let response = study.plan().index(gauge, q, 0);
             let moments = &propagated.moments[response];
@@ -83,29 +79,22 @@ fn run(context: &Context<'_>) -> Result<Vec<Claim>, CaseError> {
             }
             if (id, gauge) == KNOWN {
                 let quantity = format!("relative error of the deviation of {symbol} near a switch");
-                claims.push(lines(method.clone()).measured(
-                    ("near-a-switch", &quantity, ""),
-                    error,
-                    (-0.32, -0.12),
-                    "some samples yield or unload and others do not yet, which the series does not see; four standard errors of 250 samples about what 1,000 give",
-                ));
+                let reason = "some samples yield or unload and others do not yet, which the series does not see; four standard errors of 250 samples about what 1,000 give";
+                let subject = lines(method.clone()).of("near-a-switch", &quantity);
+                claims.push(subject.measured(error, (-0.32, -0.12)).because(reason));
             }
         }
-        claims.push(lines(format!("{method}: ten particles")).bounded(
-            ("median", &format!("median relative error of the deviation of {symbol}"), ""),
-            quantile(&errors, 0.5),
-            of_median,
-            "third derivatives, of the order of cv^2, and the samples' own error, a part in a thousand",
-        ));
+        let quantity = format!("median relative error of the deviation of {symbol}");
+        let reason = "third derivatives, of the order of cv^2, and the samples' own error, a part in a thousand";
+        let subject = lines(format!("{method}: ten particles")).of("median", quantity);
+        claims.push(subject.bounded(quantile(&errors, 0.5), of_median).because(reason));
         let quantity =
             format!("largest relative error of the deviation of {symbol} without a warning");
         let method = format!("{}, {n_warned} of 10 warned of a switch", worst.method(&method));
-        claims.push(lines(method).bounded(
-            ("worst-without-warning", &quantity, ""),
-            worst.value(),
-            of_worst,
-            "as the median, and the samples' own error where rare samples come near a switch",
-        ));
+        let reason =
+            "as the median, and the samples' own error where rare samples come near a switch";
+        let subject = lines(method).of("worst-without-warning", &quantity);
+        claims.push(subject.bounded(worst.value(), of_worst).because(reason));
     }
     Ok(claims)
 }

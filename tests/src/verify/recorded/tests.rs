@@ -1,9 +1,9 @@
-use result_figures::{ErrorKind, Measured, Reference};
+use result_figures::Reference;
 use scenes::machine::Machine;
 
 use super::rows::MOST_ROWS;
 use super::*;
-use crate::claim::{Criterion, Subject};
+use crate::claim::Subject;
 use crate::report::Claim;
 
 const METHOD: &str = "log-density fit";
@@ -11,23 +11,18 @@ const TRUNCATION: &str = "truncation < 1 %";
 
 /// A claim whose error is this part of its tolerance.
 fn claim(name: &str, used: f64) -> Claim {
-    Claim::judge(
-        Subject::new(format!("self-check/page/{name}"), "P(|q| > 1)", "m^2", METHOD),
-        ErrorKind::Relative,
-        Measured::exact(1.0 + 0.01 * used),
-        Reference::uncertain(1.0, 1e-4),
-        Criterion::Within { tolerance: 0.01, reason: TRUNCATION },
-    )
+    Subject::new(format!("self-check/page/{name}"), "P(|q| > 1)", METHOD)
+        .unit("m^2")
+        .relative(1.0 + 0.01 * used, Reference::uncertain(1.0, 1e-4))
+        .within(0.01)
+        .because(TRUNCATION)
 }
 
 fn bound(name: &str) -> Claim {
-    Claim::judge(
-        Subject::new(format!("self-check/page/{name}"), "x", "", "the paper's method"),
-        ErrorKind::Relative,
-        Measured::exact(1.3),
-        Reference::exact(1.0),
-        Criterion::AsMeasured { from: 0.2, to: 0.4, reason: "it loses particles" },
-    )
+    Subject::new(format!("self-check/page/{name}"), "x", "the paper's method")
+        .relative(1.3, 1.0)
+        .as_measured(0.2, 0.4)
+        .because("it loses particles")
 }
 
 fn report(claims: Vec<Claim>) -> Report {

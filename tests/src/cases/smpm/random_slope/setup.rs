@@ -11,7 +11,7 @@ use smpm::Simulation;
 use smpm::uncertainty::Experiment;
 
 use super::factor::Slide;
-use crate::case::CaseError;
+use crate::cases::prelude::*;
 
 /// Gravity of the scene (m/s^2).
 const GRAVITY: f64 = 9.81;
@@ -62,7 +62,7 @@ impl Setup {
     }
 
     /// The built-in scene so changed.
-    pub(super) fn scene(&self) -> Result<SmpmScene, CaseError> {
+    pub(super) fn scene(&self) -> CaseResult<SmpmScene> {
         let mut scene = Problem::RandomSlope.scene()?;
         scene.grid.cell = self.cell;
         scene.grid.particles_per_cell = self.particles_per_cell;
@@ -76,7 +76,7 @@ impl Setup {
         UNTIL + (MOST - BEFORE) / self.rate
     }
 
-    fn stiffen(&self, scene: &mut SmpmScene) -> Result<(), CaseError> {
+    fn stiffen(&self, scene: &mut SmpmScene) -> CaseResult<()> {
         let clay = scene.materials.get_mut("clay").ok_or("the scene has no clay")?;
         let scenes::smpm::material_scene::EquationScene::MieGruneisen(equation) =
             &mut clay.equation
@@ -98,18 +98,18 @@ impl Setup {
         Slide { displacements: self.displacements, interval, gravity: GRAVITY }
     }
 
-    fn factor_of(&self, run: &mut Simulation<f64, 2>) -> Result<f64, CaseError> {
+    fn factor_of(&self, run: &mut Simulation<f64, 2>) -> CaseResult<f64> {
         let found = self.slide().factor(run, self.end())?;
         found.ok_or_else(|| format!("the slope holds {MOST} times its weight").into())
     }
 
     /// The factor of a uniform slope of a strength (Pa).
-    pub(super) fn uniform(&self, strength: f64) -> Result<f64, CaseError> {
+    pub(super) fn uniform(&self, strength: f64) -> CaseResult<f64> {
         self.uniform_of(self.scene()?, strength)
     }
 
     /// The factor of a vertical cut of the height of the slope, with the soil below it, by the same means.
-    pub(super) fn vertical_cut(&self, strength: f64) -> Result<f64, CaseError> {
+    pub(super) fn vertical_cut(&self, strength: f64) -> CaseResult<f64> {
         let mut scene = self.scene()?;
         let corners = [[0.0, -2.5], [14.0, -2.5], [14.0, 0.0], [8.0, 0.0], [8.0, 5.0], [0.0, 5.0]];
         let corners = corners.iter().map(|corner| corner.to_vec()).collect();
@@ -120,7 +120,7 @@ impl Setup {
         self.uniform_of(scene, strength)
     }
 
-    fn uniform_of(&self, mut scene: SmpmScene, strength: f64) -> Result<f64, CaseError> {
+    fn uniform_of(&self, mut scene: SmpmScene, strength: f64) -> CaseResult<f64> {
         scene.random_fields.clear();
         scene.method = MethodScene::Deterministic;
         if let Some(StrengthScene::VonMises(of_clay)) =
@@ -142,7 +142,7 @@ pub(super) struct Realisations {
 }
 
 impl Realisations {
-    pub(super) fn new(setup: Setup, seed: u64) -> Result<Self, CaseError> {
+    pub(super) fn new(setup: Setup, seed: u64) -> CaseResult<Self> {
         let experiment = experiment::<2>(&setup.scene()?)?;
         Ok(Self { setup, experiment, normals: MonteCarlo { seed, n_samples: 0 } })
     }
@@ -155,7 +155,7 @@ impl Realisations {
     }
 
     /// The factor of a realisation.
-    pub(super) fn factor(&self, realisation: u64) -> Result<f64, CaseError> {
+    pub(super) fn factor(&self, realisation: u64) -> CaseResult<f64> {
         let coefficients = self.coefficients(realisation);
         let mut run = Experiment::simulation::<f64>(&self.experiment, &coefficients)?;
         self.setup.factor_of(&mut run)

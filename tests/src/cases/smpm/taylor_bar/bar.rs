@@ -7,7 +7,7 @@ use scenes::smpm::scene::{SmpmScene, SolidScene};
 use smpm::Body;
 use smpm::uncertainty::Experiment;
 
-use crate::case::CaseError;
+use crate::cases::prelude::*;
 
 /// A bar before its impact, and how it is computed.
 pub(super) struct Specimen {
@@ -53,7 +53,7 @@ impl Meridian {
         body: &Body<f64, D>,
         spacing: f64,
         bar: &Specimen,
-    ) -> Result<Self, CaseError> {
+    ) -> CaseResult<Self> {
         let across = |x: &[f64; D]| x[..D - 1].iter().map(|c| c * c).sum::<f64>().sqrt();
         let on_meridian =
             |p: &usize| starts[*p][1..D - 1].iter().all(|&second| second < 0.6 * spacing);
@@ -71,7 +71,7 @@ impl Meridian {
                 let edge = extrapolated(radius(inner), radius(outer), bar.radius);
                 Ok([edge, body.position(*outer)[D - 1]])
             })
-            .collect::<Result<_, CaseError>>()?;
+            .collect::<CaseResult<_>>()?;
         let [.., below, last] = rows.as_slice() else { return Err("a bar of one row".into()) };
         let height = |p: usize| [starts[p][D - 1], body.position(p)[D - 1]];
         Ok(Self { surface, length: extrapolated(height(below[0]), height(last[0]), bar.length) })
@@ -82,7 +82,7 @@ impl Meridian {
     }
 
     /// The diameter at a height.
-    fn diameter_at(&self, height: f64) -> Result<f64, CaseError> {
+    fn diameter_at(&self, height: f64) -> CaseResult<f64> {
         let crosses = |pair: &&[[f64; 2]]| pair[0][1] <= height && height < pair[1][1];
         let pair = self.surface.windows(2).find(crosses).ok_or("the bar is shorter than that")?;
         let [[r0, z0], [r1, z1]] = [pair[0], pair[1]];
@@ -91,10 +91,7 @@ impl Meridian {
 }
 
 /// The axisymmetric bar of the scene with the size, the speed and the material of another; without one that of the scene.
-pub(super) fn axisymmetric(
-    of: &Specimen,
-    material: Option<MaterialScene>,
-) -> Result<Bar, CaseError> {
+pub(super) fn axisymmetric(of: &Specimen, material: Option<MaterialScene>) -> CaseResult<Bar> {
     let mut scene = Problem::TaylorBar.scene()?;
     let bar = scene.bodies.first_mut().ok_or("a scene without a bar")?;
     bar.shape = SolidScene::Box { from: vec![0.0; 2], to: vec![of.radius, of.length] };
@@ -106,11 +103,11 @@ pub(super) fn axisymmetric(
 }
 
 /// The quarter of the scene, which must be of the size and the speed of the specimen.
-pub(super) fn quarter(of: &Specimen) -> Result<Bar, CaseError> {
+pub(super) fn quarter(of: &Specimen) -> CaseResult<Bar> {
     run::<3>(Problem::TaylorBarQuarter.scene()?, of)
 }
 
-fn run<const D: usize>(mut scene: SmpmScene, of: &Specimen) -> Result<Bar, CaseError> {
+fn run<const D: usize>(mut scene: SmpmScene, of: &Specimen) -> CaseResult<Bar> {
     scene.grid.cell = of.radius / f64::from(of.cells);
     let spacing = scene.grid.cell / f64::from(scene.grid.particles_per_cell);
     let mut run = Experiment::simulation::<f64>(&experiment::<D>(&scene)?, &[0.0; MOST_RANDOM])?;

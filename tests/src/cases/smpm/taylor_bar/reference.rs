@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::bar::Specimen;
-use crate::case::CaseError;
+use crate::cases::prelude::*;
 
 /// The table of `tests/reference/published/smpm/taylor_impact.json`.
 #[derive(Debug, Deserialize)]
@@ -56,7 +56,7 @@ pub(super) struct Recovered {
 }
 
 impl TaylorTests {
-    pub(super) fn read() -> Result<Self, CaseError> {
+    pub(super) fn read() -> CaseResult<Self> {
         let text = include_str!("../../../../reference/published/smpm/taylor_impact.json");
         Ok(serde_json::from_str(text)?)
     }

@@ -13,8 +13,7 @@ mod tails;
 #[cfg(test)]
 mod tests;
 
-use self::shown::{answers, findings, motion, pictures};
-pub(crate) use self::shown::{charts, observed, record};
+pub(crate) use self::shown::{answers, charts, findings, motion, observed, pictures, record};
 
 use fpk_sph::{ConditionedSimulation, Config, Simulation};
 use random_vibration::{GridConfig, SubsetConfig};

@@ -4,22 +4,11 @@
 //! are compared.
 
 pub mod edit;
+mod ingredient;
 
-use serde_json::{Map, Value};
-
+pub use self::ingredient::Ingredient;
 use crate::answers::{Answer, Answers};
 use crate::ladder::{BuiltIn, Limits, Outcome, Trial, climb, try_scene};
-
-/// An ingredient that can be left out, such as a damper, a noise filter or a random parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ingredient {
-    /// Its name, e.g. `the damper`.
-    pub name: String,
-    /// The scene without it.
-    pub scene: Map<String, Value>,
-    /// Ids of quantities that have another id in that scene, each with it; none for a quantity that the scene does not have.
-    pub renamed: Vec<(String, Option<String>)>,
-}
 
 /// Effect of leaving out an ingredient.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,6 +117,8 @@ fn effect(with: &Answers, without: &Outcome, ingredient: &Ingredient, tolerance:
 
 #[cfg(test)]
 mod tests {
+    use serde_json::Map;
+
     use super::*;
     use crate::answers::{AnswerValue, ErrorOrigin, Number, Statistic};
 

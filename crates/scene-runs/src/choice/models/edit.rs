@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::Ingredient;
+use super::ingredient::Ingredient;
 use crate::ladder::keys;
 use crate::scene::Scene;
 

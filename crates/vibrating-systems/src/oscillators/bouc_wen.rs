@@ -13,21 +13,21 @@ use crate::error::{Error, finite, not_negative, positive, within};
 #[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "BoucWenScene"))]
 pub struct BoucWenParameters {
-    /// `omega_0`, the natural circular frequency before yielding (rad/s).
+    /// `omega_0 > 0`, the natural circular frequency before yielding (rad/s).
     pub natural_frequency: f64,
-    /// `xi`, the damping over the critical one (no unit).
+    /// `xi >= 0`, the damping over the critical one (no unit).
     pub damping_ratio: f64,
     /// `alpha`, the share of the linear stiffness, from 0 to 1 (no unit).
     pub hardening: f64,
-    /// `A`, the slope of `z` over `q` at `z = 0` (no unit).
+    /// `A > 0`, the slope of `z` over `q` at `z = 0` (no unit).
     pub initial_slope: f64,
-    /// `beta`, which widens the loop (1/m^n).
+    /// `beta >= 0`, which widens the loop (1/m^n).
     pub beta: f64,
-    /// `gamma`, which shapes the loop (1/m^n).
+    /// `gamma > -beta`, which shapes the loop (1/m^n).
     pub gamma: f64,
-    /// `n`, the sharpness of yielding (no unit).
+    /// `n > 0`, the sharpness of yielding (no unit).
     pub exponent: f64,
-    /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
+    /// `S_0 >= 0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
     /// `a(t)`, the modulating function of the noise.
     pub window: Window,

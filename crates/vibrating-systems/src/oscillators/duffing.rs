@@ -14,7 +14,7 @@ use crate::{LinearOscillator, LinearOscillatorParameters};
 pub struct DuffingParameters {
     /// The oscillator without its cubic spring.
     pub structure: LinearOscillatorParameters,
-    /// `epsilon`, the cubic part of the spring (1/m^2).
+    /// `epsilon >= 0`, the cubic part of the spring (1/m^2).
     pub cubic_stiffness: f64,
 }
 

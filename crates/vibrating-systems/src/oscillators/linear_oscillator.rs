@@ -11,11 +11,11 @@ use crate::oscillators::first_order::first_order;
 #[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "StructureScene"))]
 pub struct LinearOscillatorParameters {
-    /// `w`, the natural circular frequency (rad/s).
+    /// `w > 0`, the natural circular frequency (rad/s).
     pub natural_frequency: f64,
-    /// `xi`, the damping over the critical one (no unit).
+    /// `xi >= 0`, the damping over the critical one (no unit).
     pub damping_ratio: f64,
-    /// `S_0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
+    /// `S_0 >= 0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
     pub noise_intensity: f64,
     /// `a(t)`, the modulating function of the noise.
     pub window: Window,

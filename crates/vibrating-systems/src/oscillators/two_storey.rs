@@ -11,17 +11,17 @@ use crate::oscillators::viscous_damper::damper_force;
 #[cfg_attr(feature = "schema", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", serde(deny_unknown_fields), schemars(rename = "TwoStoreyScene"))]
 pub struct TwoStoreyParameters {
-    /// `m_1, m_2`, the masses of the floors (kg).
+    /// `m_1, m_2 > 0`, the masses of the floors (kg).
     pub mass: [f64; 2],
-    /// `k_1, k_2`, the stiffness of the storeys (N/m).
+    /// `k_1, k_2 > 0`, the stiffness of the storeys (N/m).
     pub stiffness: [f64; 2],
-    /// `c_1, c_2`, the damping of the storeys (N s/m).
+    /// `c_1, c_2 >= 0`, the damping of the storeys (N s/m).
     pub damping: [f64; 2],
-    /// `eta_1, eta_2`, the dampers in the storeys, 0 for none (N per (m/s)^alpha).
+    /// `eta_1, eta_2 >= 0`, the dampers in the storeys, 0 for none (N per (m/s)^alpha).
     pub damper_coefficient: [f64; 2],
-    /// `alpha`, the power of the velocity in their force (no unit).
+    /// `alpha > 0`, the power of the velocity in their force (no unit).
     pub damper_exponent: f64,
-    /// `S_0`, the intensity of the ground acceleration (m^2/s^3).
+    /// `S_0 >= 0`, the intensity of the ground acceleration (m^2/s^3).
     pub noise_intensity: f64,
     /// `a(t)`, the modulating function of the noise.
     pub window: Window,

@@ -14,9 +14,9 @@ use crate::{LinearOscillator, LinearOscillatorParameters};
 pub struct ViscousDamperParameters {
     /// The structure without the damper.
     pub structure: LinearOscillatorParameters,
-    /// `eta`, the force of the damper over the mass (m/s^2 per (m/s)^alpha).
+    /// `eta >= 0`, the force of the damper over the mass (m/s^2 per (m/s)^alpha).
     pub damper_coefficient: f64,
-    /// `alpha`, the power of the velocity in that force (no unit).
+    /// `alpha > 0`, the power of the velocity in that force (no unit).
     pub damper_exponent: f64,
 }
 

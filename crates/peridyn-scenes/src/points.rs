@@ -195,7 +195,7 @@ impl Cloud {
     }
 }
 
-/// Reads a file that a key names, from the folder of the scene. `what` stands before its name in a message.
+/// Reads a file that a key names, from the folder of the scene. `what` precedes its name in a message.
 pub(crate) fn read_beside(
     (file, folder): (&str, &Path),
     key: &str,

@@ -145,7 +145,7 @@ pub(crate) fn bits<S: Sde<D, M>, const D: usize, const M: usize>(
     positions.iter().chain(simulation.masses()).map(|x| x.to_bits()).collect()
 }
 
-/// The same bits come from any number of threads, through both times or from a snapshot at the first of them.
+/// Runs are bitwise identical on any number of threads, through both times or from a snapshot at the first of them.
 pub(crate) fn same_bits<S: Sde<2, 1>>(
     new: impl Fn() -> Simulation<S, 2, 1> + Sync,
     [middle, end]: [f64; 2],

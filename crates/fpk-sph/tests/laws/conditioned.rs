@@ -1,42 +1,28 @@
 //! Filter states that are conditioned out: a linear structure is exact, and a nonlinear one agrees with paths.
 
 use fpk_sph::{
-    Combination, ConditionedSimulation, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method,
-    Remapping, Scheme, StepRule,
+    Combination, ConditionedSimulation, Config, Error, InitialLattice, Method, Remapping, Scheme,
+    StepRule,
 };
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, Sde};
 use vibrating_systems::{
     BoucWen, BoucWenParameters, Filter, Filtered, KanaiTajimiParameters, LinearOscillator,
-    LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
+    LinearOscillatorParameters, Window,
 };
 
-const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {
-    natural_frequency: std::f64::consts::PI,
-    damping_ratio: 0.05,
-    noise_intensity: 0.2,
-    window: Window::CANOR_DENOEL_2013,
+use crate::fixtures::{
+    BUILDING, CubicSpring, behind_soil, changed, config, damper, exact_moments, on_threads,
 };
 
-fn behind_soil<S: Sde<DS, 1, Noise = Additive>, const DS: usize>(
-    structure: S,
-) -> Filtered<S, DS, 2> {
-    let soil = KanaiTajimiParameters { ground_frequency: 15.6, ground_damping: 0.6 };
-    Filtered::new(structure, Filter::kanai_tajimi(soil).unwrap(), Window::Stationary).unwrap()
-}
-
-fn config<const DS: usize>(reach: f64, spacing: f64) -> Config<DS> {
-    Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Ball { reach, spacing },
-        reference_period: 2.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    }
+fn ball<const DS: usize>(reach: f64, spacing: f64) -> Config<DS> {
+    config(InitialLattice::Ball { reach, spacing }, 2.0)
 }
 
 type Linear = Filtered<LinearOscillator, 2, 2>;
 
 fn linear() -> Linear {
-    behind_soil(LinearOscillator::new(STRUCTURE).unwrap())
+    let structure = LinearOscillatorParameters { damping_ratio: 0.05, ..BUILDING };
+    behind_soil(LinearOscillator::new(structure).unwrap())
 }
 
 /// A start in which structure and filter are correlated and have means.
@@ -50,87 +36,45 @@ fn correlated(system: &Linear) -> GaussianMixture<4> {
     GaussianMixture::gaussian(mean, covariance).unwrap()
 }
 
-/// `E[x x^T]` of a linear system with additive noise, by its moment equations and Runge-Kutta 4 in 20,000 steps.
-fn exact<const D: usize>(
-    system: &impl Sde<D, 1>,
-    law: &GaussianMixture<D>,
-    until: f64,
-) -> [[f64; D]; D] {
-    let (mean, mut moments) = (law.mean(), law.covariance());
-    for k in 0..D {
-        for l in 0..D {
-            moments[k][l] += mean[k] * mean[l];
-        }
+/// All second moments are those expected, within 1e-3 of the roots of those on the diagonal.
+fn has_moments(
+    simulation: &ConditionedSimulation<LinearOscillator, 2, 2>,
+    expected: &[[f64; 4]; 4],
+    case: &str,
+) {
+    let found = simulation.second_moments::<4>();
+    for (k, l) in (0..16).map(|at| (at / 4, at % 4)) {
+        let scale = (expected[k][k] * expected[l][l]).sqrt();
+        let error = (found[k][l] - expected[k][l]) / scale;
+        assert!(error.abs() < 1e-3, "{case}, ({k}, {l}): {error:e}");
     }
-    let unit = |l: usize| std::array::from_fn(|k| f64::from(u8::from(k == l)));
-    let rate = |t: f64, p: &[[f64; D]; D]| -> [[f64; D]; D] {
-        let columns: [[f64; D]; D] = std::array::from_fn(|l| system.drift(t, &unit(l)));
-        let noise = system.diffusion(t, &[0.0; D]);
-        let moved = |k: usize, l: usize| -> f64 { (0..D).map(|m| columns[m][k] * p[m][l]).sum() };
-        std::array::from_fn(|k| {
-            std::array::from_fn(|l| moved(k, l) + moved(l, k) + 2.0 * noise[k][l])
-        })
-    };
-    let n = 20_000;
-    let dt = until / f64::from(n);
-    let plus = |p: &[[f64; D]; D], c: f64, k: &[[f64; D]; D]| -> [[f64; D]; D] {
-        std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] + c * k[i][j]))
-    };
-    for step in 0..n {
-        let t = dt * f64::from(step);
-        let k_1 = rate(t, &moments);
-        let k_2 = rate(t + dt / 2.0, &plus(&moments, dt / 2.0, &k_1));
-        let k_3 = rate(t + dt / 2.0, &plus(&moments, dt / 2.0, &k_2));
-        let k_4 = rate(t + dt, &plus(&moments, dt, &k_3));
-        for (c, k) in [(1.0, k_1), (2.0, k_2), (2.0, k_3), (1.0, k_4)] {
-            moments = plus(&moments, c * dt / 6.0, &k);
-        }
-    }
-    moments
 }
 
 #[test]
 fn all_second_moments_of_a_linear_structure_and_its_filter_are_those_of_the_moment_equations() {
     let system = linear();
-    for (law, start) in [
-        (system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap(), "independent"),
-        (correlated(&system), "correlated"),
-    ] {
-        let config = config(6.0, 0.5);
+    for (law, start) in [(at_rest(&system), "independent"), (correlated(&system), "correlated")] {
+        let config = ball(6.0, 0.5);
         let mut simulation = ConditionedSimulation::new(&system, &law, &config).unwrap();
         for t in [1.0, 3.0] {
             simulation.advance_to(t).unwrap();
-            let (found, expected) = (simulation.second_moments::<4>(), exact(&system, &law, t));
-            for k in 0..4 {
-                for l in 0..4 {
-                    let scale = (expected[k][k] * expected[l][l]).sqrt();
-                    let error = (found[k][l] - expected[k][l]) / scale;
-                    // Runge-Kutta 4 at omega_g dt = 0.78: up to 3.2e-4 seen; the mass outside is 1.5e-8.
-                    assert!(error.abs() < 1e-3, "{start}, t = {t}, ({k}, {l}): {error:e}");
-                }
-            }
+            // Runge-Kutta 4 at omega_g dt = 0.78: up to 3.2e-4 seen; the mass outside is 1.5e-8.
+            let case = format!("{start}, t = {t}");
+            has_moments(&simulation, &exact_moments(&system, &law, t), &case);
         }
     }
 }
 
-fn damper() -> Filtered<ViscousDamper, 2, 2> {
-    let structure = LinearOscillatorParameters { damping_ratio: 0.01, ..STRUCTURE };
-    let (damper_coefficient, damper_exponent) = (0.25, 0.35);
-    behind_soil(
-        ViscousDamper::new(ViscousDamperParameters {
-            structure,
-            damper_coefficient,
-            damper_exponent,
-        })
-        .unwrap(),
-    )
+/// Both kinds of state at rest, but for their spread.
+fn at_rest<S: Sde<2, 1, Noise = Additive>>(system: &Filtered<S, 2, 2>) -> GaussianMixture<4> {
+    system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap()
 }
 
 #[test]
 fn a_damper_behind_soil_has_the_moments_of_paths() {
-    let system = damper();
-    let law: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap();
-    let config = config(5.5, 0.4);
+    let system = behind_soil(damper());
+    let law = at_rest(&system);
+    let config = ball(5.5, 0.4);
     let mut simulation = ConditionedSimulation::new(&system, &law, &config).unwrap();
     // 4,000,000 paths by Heun's method, of weak order 2 for additive noise, in steps of 0.005; standard error 0.08 %.
     for (t, q, v) in [(2.0, 0.0111849, 0.129169), (6.0, 0.0507571, 0.513052)] {
@@ -143,30 +87,10 @@ fn a_damper_behind_soil_has_the_moments_of_paths() {
     }
 }
 
-/// A cubic spring and a quadratic damper: `q'' + 2 xi w q' + h |q'| q' + w^2 (q + e q^3) = a(t) u`.
-#[derive(Debug, Clone)]
-struct CubicSpring {
-    window: Window,
-}
-
-impl Sde<2, 1> for CubicSpring {
-    type Noise = Additive;
-
-    fn drift(&self, _: f64, &[q, v]: &[f64; 2]) -> [f64; 2] {
-        let stiffness = std::f64::consts::PI.powi(2);
-        let damping = 0.04 * std::f64::consts::PI * v + 0.5 * v.abs() * v;
-        [v, -damping - stiffness * (q + 5.0 * q.powi(3))]
-    }
-
-    fn noise(&self, t: f64, _: &[f64; 2]) -> [[f64; 1]; 2] {
-        [[0.0], [self.window.amplitude(t) * 0.4_f64.sqrt()]]
-    }
-}
-
 #[test]
 fn a_users_structure_with_a_cubic_spring_and_a_quadratic_damper_has_the_moments_of_paths() {
-    let system = behind_soil(CubicSpring { window: Window::CANOR_DENOEL_2013 });
-    let law: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap();
+    let system = behind_soil(CubicSpring);
+    let law = at_rest(&system);
     let mut simulation = ConditionedSimulation::new(&system, &law, &remeshed(5.5, 0.35)).unwrap();
     // 40,000,000 paths as for the damper; standard error 0.02 %. The cubic term is 0.4 of the linear one at one deviation.
     for (t, q, v) in [
@@ -188,9 +112,8 @@ fn a_users_structure_with_a_cubic_spring_and_a_quadratic_damper_has_the_moments_
 
 /// With remeshing.
 fn remeshed<const DS: usize>(reach: f64, spacing: f64) -> Config<DS> {
-    let combination =
-        Combination { remapping: Some(Remapping::MEASURED), ..Method::FlowMapFit.combination() };
-    Config { method: Method::Custom(combination), ..config(reach, spacing) }
+    let method = changed(|c| c.remapping = Some(Remapping::MEASURED));
+    Config { method, ..ball(reach, spacing) }
 }
 
 /// A normal density and means that are linear are reproduced on any lattice, but for what lies beyond it.
@@ -198,22 +121,13 @@ fn remeshed<const DS: usize>(reach: f64, spacing: f64) -> Config<DS> {
 fn a_linear_structure_keeps_its_moments_through_a_remeshing_in_every_step() {
     let system = linear();
     let law = correlated(&system);
-    let mut config = remeshed(6.0, 0.5);
-    if let Method::Custom(combination) = &mut config.method {
-        combination.remapping = Some(Remapping { most_uneven: 1e-14, ..Remapping::MEASURED });
-    }
+    let remapping = Some(Remapping { most_uneven: 1e-14, ..Remapping::MEASURED });
+    let config = Config { method: changed(|c| c.remapping = remapping), ..ball(6.0, 0.5) };
     let mut simulation = ConditionedSimulation::new(&system, &law, &config).unwrap();
     simulation.advance_to(1.0).unwrap();
     assert!(simulation.structure().n_remaps() > 15);
-    let (found, expected) = (simulation.second_moments::<4>(), exact(&system, &law, 1.0));
-    for k in 0..4 {
-        for l in 0..4 {
-            let scale = (expected[k][k] * expected[l][l]).sqrt();
-            let error = (found[k][l] - expected[k][l]) / scale;
-            // 2.9e-4 seen.
-            assert!(error.abs() < 1e-3, "{k} {l}: {error:e}");
-        }
-    }
+    // 2.9e-4 seen.
+    has_moments(&simulation, &exact_moments(&system, &law, 1.0), "t = 1");
 }
 
 fn hysteresis() -> Filtered<BoucWen, 3, 2> {
@@ -236,7 +150,7 @@ fn hysteresis_behind_soil_has_the_moments_of_paths() {
     let system = hysteresis();
     let law: GaussianMixture<5> =
         system.initial_distribution(&[0.0; 3], &[0.05, 0.15, 0.05]).unwrap();
-    let mut simulation = ConditionedSimulation::new(&system, &law, &config(5.0, 0.7)).unwrap();
+    let mut simulation = ConditionedSimulation::new(&system, &law, &ball(5.0, 0.7)).unwrap();
     // Paths as for the damper; standard error 0.07 %.
     for (t, expected) in [
         (2.0, [0.0366577, 0.471754, 0.0273823]),
@@ -256,9 +170,9 @@ fn hysteresis_behind_soil_has_the_moments_of_paths() {
 
 #[test]
 fn a_snapshot_goes_on_bit_for_bit_and_one_of_another_simulation_is_refused() {
-    let system = damper();
-    let law: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap();
-    let start = |spacing| ConditionedSimulation::new(&system, &law, &config(4.0, spacing)).unwrap();
+    let system = behind_soil(damper());
+    let law = at_rest(&system);
+    let start = |spacing| ConditionedSimulation::new(&system, &law, &ball(4.0, spacing)).unwrap();
     let mut whole = start(0.6);
     whole.advance_to(0.5).unwrap();
     let mut snapshot = Vec::new();
@@ -271,7 +185,7 @@ fn a_snapshot_goes_on_bit_for_bit_and_one_of_another_simulation_is_refused() {
     assert!(resumed.conditional_means().eq(whole.conditional_means()));
     assert_eq!(resumed.conditional_covariance(), whole.conditional_covariance());
     // With another lattice than at the start.
-    let structure = CubicSpring { window: Window::CANOR_DENOEL_2013 };
+    let structure = CubicSpring;
     let start_remeshed = || {
         ConditionedSimulation::new(&behind_soil(structure.clone()), &law, &remeshed(5.5, 0.35))
             .unwrap()
@@ -298,11 +212,9 @@ fn a_snapshot_goes_on_bit_for_bit_and_one_of_another_simulation_is_refused() {
 #[test]
 fn what_the_means_are_not_carried_by_is_refused_by_name() {
     let system = linear();
-    let law: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap();
+    let law = at_rest(&system);
     let message = |change: &dyn Fn(&mut Combination)| {
-        let mut combination = Method::FlowMapFit.combination();
-        change(&mut combination);
-        let config = Config { method: Method::Custom(combination), ..config(4.0, 0.6) };
+        let config = Config { method: changed(change), ..ball(4.0, 0.6) };
         ConditionedSimulation::new(&linear(), &law, &config).unwrap_err().to_string()
     };
     let begin = "filter states are conditioned out with";
@@ -326,9 +238,9 @@ fn what_the_means_are_not_carried_by_is_refused_by_name() {
         covariance: law.covariance(),
     };
     let two = GaussianMixture::mixture(&[component(1.0), component(-1.0)]).unwrap();
-    let refused = ConditionedSimulation::new(&linear(), &two, &config(4.0, 0.6));
+    let refused = ConditionedSimulation::new(&linear(), &two, &ball(4.0, 0.6));
     assert!(matches!(refused, Err(Error::ConditionedMixture { count: 2 })));
-    let mut simulation = ConditionedSimulation::new(&linear(), &law, &config(4.0, 0.6)).unwrap();
+    let mut simulation = ConditionedSimulation::new(&linear(), &law, &ball(4.0, 0.6)).unwrap();
     simulation.advance_to(0.1).unwrap();
     let refused = simulation.advance_to(0.05);
     assert!(matches!(refused, Err(Error::TimeInThePast { .. })), "{refused:?}");
@@ -336,10 +248,10 @@ fn what_the_means_are_not_carried_by_is_refused_by_name() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
-    let system = damper();
-    let law: GaussianMixture<4> = system.initial_distribution(&[0.0; 2], &[0.05, 0.15]).unwrap();
+    let system = behind_soil(damper());
+    let law = at_rest(&system);
     // 1,257 particles: loops over more than 1,024 are shared.
-    let config = config(5.0, 0.25);
+    let config = ball(5.0, 0.25);
     let run = || {
         let mut simulation = ConditionedSimulation::new(&system, &law, &config).unwrap();
         simulation.advance_to(0.3).unwrap();
@@ -348,11 +260,8 @@ fn any_number_of_threads_gives_the_same_bits() {
         let places = simulation.structure().positions().as_flattened();
         (places.iter().map(|x| x.to_bits()).collect::<Vec<_>>(), means)
     };
-    let with = |threads| {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
-    };
-    let one = with(1);
+    let one = on_threads(1, run);
     for threads in [2, 8] {
-        assert!(with(threads) == one, "{threads} threads");
+        assert!(on_threads(threads, run) == one, "{threads} threads");
     }
 }

@@ -1,12 +1,11 @@
 //! A score estimator as a user would write it: the score of the Gaussian with the cloud's own moments.
 
 use fpk_sph::score::Estimates;
-use fpk_sph::{
-    Cloud, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, ScoreEstimator, Simulation,
-};
+use fpk_sph::{Cloud, Error, InitialLattice, ScoreEstimator, Simulation};
 use neighbour_search::Criterion;
 use sde_integrators::GaussianMixture;
-use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
+
+use crate::fixtures::{config, oscillator};
 
 /// In whitened coordinates the Gaussian closure is `grad log psi = -y`.
 #[derive(Debug)]
@@ -33,20 +32,9 @@ impl<const D: usize> ScoreEstimator<D> for GaussianClosure {
 
 #[test]
 fn statistical_linearisation_as_an_estimator_is_exact_for_the_linear_oscillator() {
-    let parameters = LinearOscillatorParameters {
-        natural_frequency: 1.0,
-        damping_ratio: 0.1,
-        noise_intensity: 0.1,
-        window: Window::Stationary,
-    };
     let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.3]).unwrap();
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::box_of(15),
-        reference_period: std::f64::consts::TAU,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
-    let system = LinearOscillator::new(parameters).unwrap();
+    let config = config(InitialLattice::box_of(15), std::f64::consts::TAU);
+    let system = oscillator(1.0, 0.1, 0.1);
     let mut simulation =
         Simulation::with_estimator(system, &law, &config, Box::new(GaussianClosure)).unwrap();
     simulation.advance_to(60.0).unwrap();

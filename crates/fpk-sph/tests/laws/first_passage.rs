@@ -1,34 +1,23 @@
 //! First passage: rates of crossing with the bound that they give, and the absorbing boundary.
 
 use fpk_sph::observables::{FirstPassage, OutcrossingBound};
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
+use fpk_sph::{Error, InitialLattice, Simulation};
 use sde_integrators::{
     Additive, Between, EnsembleConfig, GaussianMixture, Response, Sde, Side, StrangOscillator,
     maxima,
 };
-use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
+use vibrating_systems::LinearOscillator;
+
+use crate::fixtures::{config, oscillator};
 
 #[test]
 fn the_rate_of_crossing_of_a_gaussian_is_that_of_rice() {
-    let oscillator = LinearOscillator::new(LinearOscillatorParameters {
-        natural_frequency: 2.0,
-        damping_ratio: 0.1,
-        noise_intensity: 0.3,
-        window: Window::Stationary,
-    })
-    .unwrap();
     let (variance_q, covariance, variance_v) = (0.04, 0.02, 0.09);
     let law =
         GaussianMixture::gaussian([0.0, 0.0], [[variance_q, covariance], [covariance, variance_v]])
             .unwrap();
-    let method = Method::FlowMapFit;
-    let config = Config {
-        method,
-        lattice: InitialLattice::box_of(41),
-        reference_period: std::f64::consts::PI,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
-    let simulation = Simulation::new(oscillator.clone(), &law, &config).unwrap();
+    let config = config(InitialLattice::box_of(41), std::f64::consts::PI);
+    let simulation = Simulation::new(oscillator(2.0, 0.1, 0.3), &law, &config).unwrap();
     let cells = simulation.cell_integral().unwrap();
     for threshold in [0.0, 0.3, 0.6, 1.0] {
         let found = cells.crossing_rate(|x| x[0], |x| x[1], threshold).unwrap();
@@ -50,10 +39,7 @@ fn the_rate_of_crossing_of_a_gaussian_is_that_of_rice() {
             * marginal;
         // The density is replaced by a mean over a hat of 0.025 standard deviations on either side, whose variance is
         // 1e-4: half of it times 5^2 at 5 standard deviations is 1.3e-3. The positive part has a corner besides.
-        assert!(
-            (found / expected - 1.0).abs() < 2e-3,
-            "{method:?} {threshold}: {found:e} {expected:e}"
-        );
+        assert!((found / expected - 1.0).abs() < 2e-3, "{threshold}: {found:e} {expected:e}");
     }
 }
 
@@ -116,12 +102,7 @@ fn noise_on_the_demand_is_absorbed_as_the_reflection_principle_says() {
     let (deviation, thresholds) = (0.2, [0.6, 1.0, 1.5]);
     let law = GaussianMixture::gaussian([0.0], [[deviation * deviation]]).unwrap();
     let errors = [61, 121].map(|count| {
-        let config = Config {
-            method: Method::FlowMapFit,
-            lattice: InitialLattice::box_of(count),
-            reference_period: 1.0,
-            most_steps: DEFAULT_MOST_STEPS,
-        };
+        let config = config(InitialLattice::box_of(count), 1.0);
         let mut simulation = Simulation::new(BrownianMotion, &law, &config).unwrap();
         let mut passage = FirstPassage::new(&simulation, |x| x[0], &thresholds).unwrap();
         passage.advance_to(&mut simulation, 1.0).unwrap();
@@ -138,26 +119,21 @@ fn noise_on_the_demand_is_absorbed_as_the_reflection_principle_says() {
     assert!(errors[1].iter().all(|error| error.abs() < 0.005), "{errors:?}");
 }
 
-fn oscillator() -> (LinearOscillator, GaussianMixture<2>, f64) {
-    let parameters = LinearOscillatorParameters {
-        natural_frequency: 2.0,
-        damping_ratio: 0.05,
-        noise_intensity: 0.5,
-        window: Window::Stationary,
-    };
-    let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.4]).unwrap();
-    (LinearOscillator::new(parameters).unwrap(), law, std::f64::consts::PI)
+fn system() -> LinearOscillator {
+    oscillator(2.0, 0.05, 0.5)
+}
+
+fn start() -> GaussianMixture<2> {
+    GaussianMixture::independent([0.0, 0.0], [0.2, 0.4]).unwrap()
+}
+
+fn simulation(count: usize) -> Simulation<LinearOscillator, 2, 1> {
+    let config = config(InitialLattice::box_of(count), std::f64::consts::PI);
+    Simulation::new(system(), &start(), &config).unwrap()
 }
 
 fn watched(count: usize, thresholds: &[f64], end: f64) -> Vec<f64> {
-    let (system, law, reference_period) = oscillator();
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::box_of(count),
-        reference_period,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
-    let mut simulation = Simulation::new(system, &law, &config).unwrap();
+    let mut simulation = simulation(count);
     let mut passage = FirstPassage::new(&simulation, |x| x[0].abs(), thresholds).unwrap();
     let mut last = passage.probabilities().to_vec();
     while simulation.time() < end {
@@ -181,14 +157,13 @@ fn watched(count: usize, thresholds: &[f64], end: f64) -> Vec<f64> {
 fn an_oscillator_passes_its_threshold_as_often_as_its_paths() {
     let (thresholds, end) = ([0.8, 1.2], 4.0);
     let found = watched(41, &thresholds, end);
-    let (system, law, _) = oscillator();
     let config = EnsembleConfig { seed: 11, n_paths: 40_000, dt: 0.02, times: vec![end] };
     let response = Response {
         component: 0,
         side: Side::Magnitude,
         between: Between::CubicHermite { velocity: 1 },
     };
-    let maxima = maxima(&system, &StrangOscillator, &law, &config, &response).unwrap();
+    let maxima = maxima(&system(), &StrangOscillator, &start(), &config, &response).unwrap();
     for (threshold, found) in thresholds.into_iter().zip(found) {
         let paths = maxima[0].exceedance(threshold).unwrap();
         let error = paths.standard_error().unwrap();
@@ -200,47 +175,36 @@ fn an_oscillator_passes_its_threshold_as_often_as_its_paths() {
 
 #[test]
 fn a_watch_refuses_what_it_cannot_judge() {
-    let (system, law, reference_period) = oscillator();
-    let config = |count| Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::box_of(count),
-        reference_period,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
-    let mut simulation = Simulation::new(system.clone(), &law, &config(21)).unwrap();
+    let mut watched = simulation(21);
     let demand = |x: &[f64; 2]| x[0];
     let message = |error: Error| error.to_string();
     assert_eq!(
-        message(FirstPassage::new(&simulation, demand, &[]).unwrap_err()),
+        message(FirstPassage::new(&watched, demand, &[]).unwrap_err()),
         "thresholds has 0 rows; at least 1 are needed"
     );
     assert_eq!(
-        message(FirstPassage::new(&simulation, demand, &[f64::NAN]).unwrap_err()),
+        message(FirstPassage::new(&watched, demand, &[f64::NAN]).unwrap_err()),
         "threshold is NaN; it must be finite"
     );
     assert_eq!(
-        message(FirstPassage::new(&simulation, |x: &[f64; 2]| x[0].ln(), &[0.0]).unwrap_err()),
+        message(FirstPassage::new(&watched, |x: &[f64; 2]| x[0].ln(), &[0.0]).unwrap_err()),
         "demand is NaN; it must be finite"
     );
-    let mut passage = FirstPassage::new(&simulation, demand, &[0.5]).unwrap();
-    let _report = simulation.step().unwrap();
-    passage.record(&simulation).unwrap();
+    let mut passage = FirstPassage::new(&watched, demand, &[0.5]).unwrap();
+    let _report = watched.step().unwrap();
+    passage.record(&watched).unwrap();
     let recorded = passage.probabilities().to_vec();
-    passage.record(&simulation).unwrap();
+    passage.record(&watched).unwrap();
     assert_eq!(passage.probabilities(), recorded, "a step counts once");
-    let _reports = [simulation.step().unwrap(), simulation.step().unwrap()];
+    let _reports = [watched.step().unwrap(), watched.step().unwrap()];
     assert_eq!(
-        message(passage.record(&simulation).unwrap_err()),
+        message(passage.record(&watched).unwrap_err()),
         "the simulation has taken 3 steps, the last one recorded is 1; every step must be recorded"
     );
-    let other = Simulation::new(system, &law, &config(15)).unwrap();
     assert_eq!(
-        message(passage.record(&other).unwrap_err()),
+        message(passage.record(&simulation(15)).unwrap_err()),
         "the simulation holds 225 particles, the watched one 441"
     );
-    let mut late = FirstPassage::new(&simulation, demand, &[0.5]).unwrap();
-    assert!(matches!(
-        late.advance_to(&mut simulation, 0.0).unwrap_err(),
-        Error::TimeInThePast { .. }
-    ));
+    let mut late = FirstPassage::new(&watched, demand, &[0.5]).unwrap();
+    assert!(matches!(late.advance_to(&mut watched, 0.0).unwrap_err(), Error::TimeInThePast { .. }));
 }

@@ -3,39 +3,24 @@
 use fpk_sph::observables::{Exceedance, Probability};
 use fpk_sph::score::{Degree, Estimates, FlowMapFit, LatticePlaces, Unresolved};
 use fpk_sph::{
-    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, Estimator, InitialLattice,
-    MOST_UNRESOLVED, Method, Scheme, ScoreEstimator, Settling, Simulation, StepRule,
+    Cloud, Combination, Config, Error, Estimator, InitialLattice, MOST_UNRESOLVED, Method, Scheme,
+    ScoreEstimator, Settling, Simulation, StepRule,
 };
 use neighbour_search::{CellGrid, Criterion, NeighbourList, NeighbourSearch, Radii};
-use sde_integrators::{Additive, GaussianComponent, GaussianMixture, Sde};
+use sde_integrators::{Additive, GaussianMixture, Sde};
 use vibrating_systems::{
-    BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, OrnsteinUhlenbeck,
-    OrnsteinUhlenbeckParameters, Window,
+    BoucWen, BoucWenParameters, LinearOscillator, OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters,
 };
 
-fn oscillator() -> LinearOscillator {
-    LinearOscillator::new(LinearOscillatorParameters {
-        natural_frequency: 2.0,
-        damping_ratio: 0.1,
-        noise_intensity: 0.3,
-        window: Window::Stationary,
-    })
-    .unwrap()
+use crate::fixtures::{self, changed, oscillator, same_bits, two_gaussians};
+
+fn system() -> LinearOscillator {
+    oscillator(2.0, 0.1, 0.3)
 }
 
 fn config(method: Method) -> Config<2> {
-    Config {
-        method,
-        lattice: InitialLattice::Ball { reach: 5.0, spacing: 0.7 },
-        reference_period: std::f64::consts::PI,
-        most_steps: DEFAULT_MOST_STEPS,
-    }
-}
-
-fn changed(change: impl Fn(&mut Combination)) -> Method {
-    let mut combination = Method::FlowMapFit.combination();
-    change(&mut combination);
-    Method::Custom(combination)
+    let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.7 };
+    Config { method, ..fixtures::config(lattice, std::f64::consts::PI) }
 }
 
 /// In whitened coordinates the score of a Gaussian is `-y`, whatever the particles.
@@ -69,9 +54,9 @@ fn a_gaussian_is_carried_exactly_by_any_lattice() {
     let lattice = InitialLattice::Ball { reach: 8.0, spacing: 0.7 };
     let method = changed(|c| c.step = StepRule::Fixed { dt: 0.02 });
     let config = Config { lattice, ..config(method) };
-    let mut fitted = Simulation::new(oscillator(), &law, &config).unwrap();
+    let mut fitted = Simulation::new(system(), &law, &config).unwrap();
     let mut exact =
-        Simulation::with_estimator(oscillator(), &law, &config, Box::new(Gaussian)).unwrap();
+        Simulation::with_estimator(system(), &law, &config, Box::new(Gaussian)).unwrap();
     fitted.advance_to(4.0).unwrap();
     exact.advance_to(4.0).unwrap();
     for (a, b) in fitted.positions().iter().zip(exact.positions()) {
@@ -94,7 +79,7 @@ fn number(exceedance: Exceedance) -> f64 {
 #[test]
 fn the_tail_of_a_gaussian_goes_on_beyond_the_last_particle() {
     let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.3]).unwrap();
-    let mut simulation = Simulation::new(oscillator(), &law, &config(Method::FlowMapFit)).unwrap();
+    let mut simulation = Simulation::new(system(), &law, &config(Method::FlowMapFit)).unwrap();
     simulation.advance_to(2.0).unwrap();
     let second_moment = simulation.raw_moment([2, 0]) / simulation.total_mass();
     let cells = simulation.cell_integral().unwrap();
@@ -124,12 +109,8 @@ fn a_coarse_lattice_in_four_dimensions_holds_the_tail_of_a_gaussian() {
         noise: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0; 4], [0.0; 4]],
     };
     let process = OrnsteinUhlenbeck::new(parameters).unwrap();
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Ball { reach: 5.0, spacing: 1.2 },
-        reference_period: 6.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let lattice = InitialLattice::Ball { reach: 5.0, spacing: 1.2 };
+    let config = fixtures::config(lattice, 6.0);
     let mut simulation = Simulation::new(process, &law, &config).unwrap();
     simulation.advance_to(0.5).unwrap();
     let deviation = process.covariance_at(0.5, &law.covariance()).unwrap()[0][0].sqrt();
@@ -150,7 +131,7 @@ fn a_gaussian_is_known_between_the_particles_and_beyond_them() {
     let method = Method::FlowMapFit;
     let lattice = InitialLattice::Ball { reach: 8.0, spacing: 0.5 };
     let simulation =
-        Simulation::new(oscillator(), &law, &Config { lattice, ..config(method) }).unwrap();
+        Simulation::new(system(), &law, &Config { lattice, ..config(method) }).unwrap();
     let field = simulation.density_field().unwrap();
     for x in [[0.4, 0.0], [0.437, 0.111], [1.3, -1.4], [0.4, 2.35], [0.4, 2.9]] {
         // Roundoff; the covariance of a cloud of 8 standard deviations is that of its law.
@@ -162,16 +143,11 @@ fn a_gaussian_is_known_between_the_particles_and_beyond_them() {
 
 #[test]
 fn a_density_that_is_no_gaussian_is_interpolated_with_the_third_order() {
-    let component = |mean, weight| GaussianComponent {
-        weight,
-        mean: [mean, 0.0],
-        covariance: [[0.04, 0.0], [0.0, 0.09]],
-    };
-    let law = GaussianMixture::mixture(&[component(0.0, 0.6), component(0.3, 0.4)]).unwrap();
+    let law = two_gaussians([0.6, 0.4], [[0.04, 0.0], [0.0, 0.09]]);
     let worst = |spacing: f64| {
         let lattice = InitialLattice::Ball { reach: 5.0, spacing };
         let simulation =
-            Simulation::new(oscillator(), &law, &Config { lattice, ..config(Method::FlowMapFit) })
+            Simulation::new(system(), &law, &Config { lattice, ..config(Method::FlowMapFit) })
                 .unwrap();
         let field = simulation.density_field().unwrap();
         (0..40)
@@ -186,42 +162,11 @@ fn a_density_that_is_no_gaussian_is_interpolated_with_the_third_order() {
 
 #[test]
 fn the_same_bits_come_from_any_number_of_threads_and_after_a_restart() {
-    let component = |mean, weight| GaussianComponent {
-        weight,
-        mean: [mean, 0.0],
-        covariance: [[0.04, 0.01], [0.01, 0.09]],
-    };
-    let law = GaussianMixture::mixture(&[component(0.0, 0.6), component(0.3, 0.4)]).unwrap();
+    let law = two_gaussians([0.6, 0.4], [[0.04, 0.01], [0.01, 0.09]]);
     // 1,681 particles: more than one thread keeps to itself.
     let lattice = InitialLattice::Box { reach: 5.0, count: [41, 41] };
-    let new = || {
-        let config = Config { lattice, ..config(Method::FlowMapFit) };
-        Simulation::new(oscillator(), &law, &config).unwrap()
-    };
-    let with = |threads: usize, run: &(dyn Fn() -> Simulation<LinearOscillator, 2, 1> + Sync)| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let simulation = pool.install(run);
-        simulation.positions().iter().flatten().map(|x| x.to_bits()).collect::<Vec<u64>>()
-    };
-    let whole = || {
-        let mut simulation = new();
-        simulation.advance_to(0.3).unwrap();
-        simulation.advance_to(0.6).unwrap();
-        simulation
-    };
-    let resumed = || {
-        let (mut first, mut second, mut bytes) = (new(), new(), Vec::new());
-        first.advance_to(0.3).unwrap();
-        first.snapshot(&mut bytes).unwrap();
-        second.restore(&bytes[..]).unwrap();
-        second.advance_to(0.6).unwrap();
-        second
-    };
-    let one = with(1, &whole);
-    for threads in [1, 2, 8] {
-        assert!(with(threads, &whole) == one, "{threads} threads");
-        assert!(with(threads, &resumed) == one, "{threads} threads, after a restart");
-    }
+    let config = Config { lattice, ..config(Method::FlowMapFit) };
+    same_bits(|| Simulation::new(system(), &law, &config).unwrap(), [0.3, 0.6]);
 }
 
 #[test]
@@ -229,12 +174,7 @@ fn in_one_dimension_steps_within_the_limit_are_stable() {
     let parameters = OrnsteinUhlenbeckParameters { rates: [[1.0]], mean: [0.2], noise: [[0.5]] };
     let process = OrnsteinUhlenbeck::new(parameters).unwrap();
     let law = GaussianMixture::independent([1.0], [0.05]).unwrap();
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Box { reach: 8.0, count: [60] },
-        reference_period: 3.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let config = fixtures::config(InitialLattice::Box { reach: 8.0, count: [60] }, 3.0);
     let mut simulation = Simulation::new(process, &law, &config).unwrap();
     simulation.advance_to(0.5).unwrap();
     let variance = process.covariance_at(0.5, &law.covariance()).unwrap()[0][0];
@@ -353,18 +293,16 @@ fn a_run_whose_unresolved_cells_hold_too_much_ends_with_the_heaviest_of_them() {
 fn hysteresis(settling: Settling) -> (f64, [f64; 3]) {
     let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013).unwrap();
     let law = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
-    let config = Config {
-        method: Method::Custom(Combination {
-            estimator: Estimator::FlowMapFit { degree: Degree::Cubic, thinnest: 0.2, settling },
-            scheme: Scheme::LawsonAdamsBashforth2,
-            step: StepRule::PeriodFraction { steps_per_period: 80.0 },
-            negligible: 1e-4,
-            ..Method::FlowMapFit.combination()
-        }),
-        lattice: InitialLattice::Ball { reach: 5.0, spacing: 0.72 },
-        reference_period: system.period(),
-        most_steps: DEFAULT_MOST_STEPS,
+    let combination = Combination {
+        estimator: Estimator::FlowMapFit { degree: Degree::Cubic, thinnest: 0.2, settling },
+        scheme: Scheme::LawsonAdamsBashforth2,
+        step: StepRule::PeriodFraction { steps_per_period: 80.0 },
+        negligible: 1e-4,
+        ..Method::FlowMapFit.combination()
     };
+    let ball = InitialLattice::Ball { reach: 5.0, spacing: 0.72 };
+    let method = Method::Custom(combination);
+    let config = Config { method, ..fixtures::config(ball, system.period()) };
     let mut simulation = Simulation::new(system, &law, &config).unwrap();
     let mut unresolved = 0.0_f64;
     while simulation.time() < 4.0 {
@@ -392,9 +330,8 @@ fn graded_settling_leaves_less_unresolved_and_moments_of_hysteresis_nearer_to_th
 #[test]
 fn what_cannot_work_is_refused_with_its_limit() {
     let law = GaussianMixture::independent([0.0, 0.0], [0.2, 0.3]).unwrap();
-    let refused = |method: Method| {
-        Simulation::new(oscillator(), &law, &config(method)).unwrap_err().to_string()
-    };
+    let refused =
+        |method: Method| Simulation::new(system(), &law, &config(method)).unwrap_err().to_string();
     assert_eq!(
         refused(changed(|c| c.support_over_spacing = 1.5)),
         "support_radius/spacing is 1.5: a support holds 9 neighbours of the undisturbed lattice; the fit needs 15 in 2-D"

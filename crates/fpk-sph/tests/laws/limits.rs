@@ -1,8 +1,9 @@
 //! Limits in one, two and three dimensions: systems whose moments are known in closed form.
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
+use fpk_sph::{Error, InitialLattice, Simulation};
 use sde_integrators::{Additive, GaussianComponent, GaussianMixture, General, Sde};
-use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
+
+use crate::fixtures::{config, exact_moments, oscillator};
 
 /// `dX_k = -r_k X_k dt + s dB_k`.
 #[derive(Debug, Clone, Copy)]
@@ -23,20 +24,11 @@ impl<const D: usize> Sde<D, D> for OrnsteinUhlenbeck<D> {
     }
 }
 
-fn config<const D: usize>(lattice: InitialLattice<D>) -> Config<D> {
-    Config {
-        method: Method::FlowMapFit,
-        lattice,
-        reference_period: 1.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    }
-}
-
 /// The largest relative error of a variance after the time 0.5, the law divided by the mass on the lattice.
 fn ornstein_uhlenbeck_error<const D: usize>(lattice: InitialLattice<D>) -> f64 {
     let system = OrnsteinUhlenbeck { rates: std::array::from_fn(|k| 1.0 + k as f64), noise: 0.8 };
     let law = GaussianMixture::independent([0.0; D], [0.5; D]).unwrap();
-    let mut simulation = Simulation::new(system, &law, &config(lattice)).unwrap();
+    let mut simulation = Simulation::new(system, &law, &config(lattice, 1.0)).unwrap();
     let start: f64 = simulation.expectation(|x| x[0] * x[0]) / simulation.total_mass();
     simulation.advance_to(0.5).unwrap();
     (0..D)
@@ -67,42 +59,19 @@ fn an_ornstein_uhlenbeck_process_keeps_its_variances_in_one_two_and_three_dimens
 
 #[test]
 fn a_mixture_of_two_gaussians_moves_its_covariance_by_the_lyapunov_equation() {
-    let parameters = LinearOscillatorParameters {
-        natural_frequency: 2.0,
-        damping_ratio: 0.1,
-        noise_intensity: 0.1,
-        window: Window::Stationary,
-    };
     let component = |mean: f64| GaussianComponent {
         weight: 0.5,
         mean: [mean, 0.0],
         covariance: [[0.04, 0.0], [0.0, 0.09]],
     };
     let law = GaussianMixture::mixture(&[component(-0.3), component(0.3)]).unwrap();
-    let system = LinearOscillator::new(parameters).unwrap();
+    let system = oscillator(2.0, 0.1, 0.1);
+    let exact = exact_moments(&system, &law, 1.0);
     let mut simulation =
-        Simulation::new(system, &law, &config(InitialLattice::box_of(61))).unwrap();
+        Simulation::new(system, &law, &config(InitialLattice::box_of(61), 1.0)).unwrap();
     simulation.advance_to(1.0).unwrap();
-
-    // d/dt (qq, qv, vv) = (2 qv, vv - w^2 qq - c qv, -2 w^2 qv - 2 c vv + 2 S_0), by small Euler-free steps (RK4).
-    let (w2, c) = (4.0, 0.4);
-    let rate = |[qq, qv, vv]: [f64; 3]| {
-        [2.0 * qv, vv - w2 * qq - c * qv, -2.0 * w2 * qv - 2.0 * c * vv + 0.2]
-    };
-    let along = |m: [f64; 3], k: [f64; 3], dt: f64| std::array::from_fn(|i| m[i] + dt * k[i]);
-    let mut m = [0.04 + 0.09, 0.0, 0.09];
-    let dt = 1e-3;
-    for _ in 0..1000 {
-        let k_1 = rate(m);
-        let k_2 = rate(along(m, k_1, dt / 2.0));
-        let k_3 = rate(along(m, k_2, dt / 2.0));
-        let k_4 = rate(along(m, k_3, dt));
-        m = std::array::from_fn(|i| {
-            m[i] + dt / 6.0 * (k_1[i] + 2.0 * k_2[i] + 2.0 * k_3[i] + k_4[i])
-        });
-    }
     // log of a mixture is no quadratic: truncation h^2 of the fit at a spacing of 0.2 standard deviations.
-    for (powers, exact) in [([2, 0], m[0]), ([0, 2], m[2])] {
+    for (powers, exact) in [([2, 0], exact[0][0]), ([0, 2], exact[1][1])] {
         let error = (simulation.raw_moment(powers) / exact - 1.0).abs();
         assert!(error < 5e-3, "{powers:?}: {error:e}");
     }
@@ -131,7 +100,7 @@ fn the_divergence_of_a_state_dependent_diffusion_is_not_dropped() {
     let law = GaussianMixture::independent([1.0], [0.05]).unwrap();
     let system = Multiplicative { noise: 0.1 };
     let lattice = InitialLattice::Box { reach: 6.0, count: [61] };
-    let mut simulation = Simulation::new(system, &law, &config(lattice)).unwrap();
+    let mut simulation = Simulation::new(system, &law, &config(lattice, 1.0)).unwrap();
     simulation.advance_to(1.0).unwrap();
     // A martingale: E[X] = 1, where dropping div D (eq 17) would give exp(s^2 t) = 1.01; E[X^2] = 1.0025 exp(0.01).
     let mean = simulation.raw_moment([1]);
@@ -161,7 +130,7 @@ impl Sde<2, 1> for Broken {
 fn a_drift_that_is_not_a_number_ends_the_run_with_step_time_and_particle() {
     let law = GaussianMixture::independent([0.0, 0.0], [1.0, 1.0]).unwrap();
     let mut simulation =
-        Simulation::new(Broken, &law, &config(InitialLattice::box_of(11))).unwrap();
+        Simulation::new(Broken, &law, &config(InitialLattice::box_of(11), 1.0)).unwrap();
     let error = simulation.advance_to(1.0).unwrap_err();
     assert!(
         matches!(error, Error::SingularCovariance { .. } | Error::LeftStableRange { .. }),

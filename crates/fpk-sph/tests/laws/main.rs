@@ -7,6 +7,7 @@ mod conditioned;
 mod custom_estimator;
 mod custom_system;
 mod first_passage;
+mod fixtures;
 mod flow_map;
 mod limits;
 mod method;

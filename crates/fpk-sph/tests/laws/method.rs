@@ -2,41 +2,17 @@
 
 use fpk_sph::score::{Estimates, Fits, SummationDensity};
 use fpk_sph::{
-    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, ScoreEstimator,
-    Simulation, StepRule,
+    Cloud, Combination, Config, Error, InitialLattice, Method, ScoreEstimator, Simulation, StepRule,
 };
 use neighbour_search::{BruteForce, NeighbourList, NeighbourSearch, Radii};
 use sde_integrators::GaussianMixture;
 use smoothing_kernels::{Kernel, Lucy};
-use vibrating_systems::{
-    LinearOscillator, LinearOscillatorParameters, ViscousDamper, ViscousDamperParameters, Window,
-};
+use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
 
-const STRUCTURE: LinearOscillatorParameters = LinearOscillatorParameters {
-    natural_frequency: std::f64::consts::PI,
-    damping_ratio: 0.01,
-    noise_intensity: 0.2,
-    window: Window::CANOR_DENOEL_2013,
-};
-
-fn damper() -> ViscousDamper {
-    let (structure, damper_coefficient, damper_exponent) = (STRUCTURE, 0.25, 0.35);
-    ViscousDamper::new(ViscousDamperParameters { structure, damper_coefficient, damper_exponent })
-        .unwrap()
-}
-
-fn law() -> GaussianMixture<2> {
-    GaussianMixture::independent([0.0, 0.0], [0.15, 0.10]).unwrap()
-}
+use crate::fixtures::{self, BUILDING, changed, damper, law, same_bits};
 
 fn config(method: Method, lattice: InitialLattice<2>) -> Config<2> {
-    Config { method, lattice, reference_period: 2.0, most_steps: DEFAULT_MOST_STEPS }
-}
-
-fn custom(change: impl Fn(&mut Combination)) -> Method {
-    let mut combination = Method::FlowMapFit.combination();
-    change(&mut combination);
-    Method::Custom(combination)
+    Config { method, ..fixtures::config(lattice, 2.0) }
 }
 
 /// Score, density and volume of points by the paper's estimator.
@@ -140,7 +116,7 @@ fn without_noise_particles_follow_the_equation_of_motion() {
         noise_intensity: 0.0,
         damping_ratio: 0.0,
         window: Window::Stationary,
-        ..STRUCTURE
+        ..BUILDING
     };
     let mut simulation = Simulation::new(
         LinearOscillator::new(free).unwrap(),
@@ -158,41 +134,15 @@ fn without_noise_particles_follow_the_equation_of_motion() {
 }
 
 #[test]
-fn the_same_bits_come_from_one_two_and_eight_threads() {
-    let run = |threads: usize| {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
-            // More particles than one thread keeps to itself.
-            let lattice = InitialLattice::box_of(41);
-            let mut simulation =
-                Simulation::new(damper(), &law(), &config(Method::FlowMapFit, lattice)).unwrap();
-            simulation.advance_to(1.0).unwrap();
-            simulation.positions().iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>()
-        })
-    };
-    let one = run(1);
-    assert!(one.len() == 2 * 41 * 41 && run(2) == one && run(8) == one);
-}
-
-#[test]
-fn a_run_restored_from_a_snapshot_goes_on_bit_for_bit() {
+fn the_same_bits_come_from_any_number_of_threads_and_after_a_restart() {
+    // More particles than one thread keeps to itself.
+    let (fit, square) = (Method::FlowMapFit, InitialLattice::box_of(41));
     let rectangle = InitialLattice::Rectangle { half_width: [0.6, 0.4], count: [25, 17] };
-    for (method, lattice) in
-        [(Method::FlowMapFit, InitialLattice::box_of(21)), (Method::CanorDenoel2013, rectangle)]
-    {
-        let new = || Simulation::new(damper(), &law(), &config(method, lattice)).unwrap();
-        let mut whole = new();
-        whole.advance_to(0.5).unwrap();
-        let mut bytes = Vec::new();
-        whole.snapshot(&mut bytes).unwrap();
-        whole.advance_to(1.0).unwrap();
-        let mut resumed = new();
-        resumed.restore(bytes.as_slice()).unwrap();
-        resumed.advance_to(1.0).unwrap();
-        let bits = |s: &Simulation<ViscousDamper, 2, 1>| -> Vec<u64> {
-            s.positions().iter().flatten().map(|x| x.to_bits()).collect()
-        };
-        assert!(bits(&whole) == bits(&resumed), "{method:?}");
-        assert_eq!(whole.work().steps, resumed.work().steps);
+    for (method, lattice) in [(fit, square), (Method::CanorDenoel2013, rectangle)] {
+        same_bits(
+            || Simulation::new(damper(), &law(), &config(method, lattice)).unwrap(),
+            [0.5, 1.0],
+        );
     }
 }
 
@@ -233,14 +183,14 @@ fn what_cannot_work_is_refused_before_the_first_step() {
     assert_eq!(few, "the lattice holds 4 particles; at least 9 are needed in 2-D");
     let reach = InitialLattice::Box { reach: -6.0, count: [41, 41] };
     assert_eq!(new(fit, reach).to_string(), "reach is -6; it must be greater than 0");
-    let narrow = custom(|c| c.support_over_spacing = 2.0);
+    let narrow = changed(|c| c.support_over_spacing = 2.0);
     let refused = new(narrow, InitialLattice::box_of(41)).to_string();
     let expected = "support_radius/spacing is 2: a support holds 13 neighbours of the undisturbed lattice; \
                     the fit needs 15 in 2-D";
     assert_eq!(refused, expected);
-    let step = custom(|c| c.step = StepRule::Fixed { dt: f64::NAN });
+    let step = changed(|c| c.step = StepRule::Fixed { dt: f64::NAN });
     assert!(matches!(new(step, InitialLattice::box_of(41)), Error::NotFinite { name: "dt", .. }));
-    let negative = LinearOscillatorParameters { noise_intensity: -0.2, ..STRUCTURE };
+    let negative = LinearOscillatorParameters { noise_intensity: -0.2, ..BUILDING };
     let error = LinearOscillator::new(negative).unwrap_err();
     assert_eq!(error.to_string(), "noise_intensity is -0.2; it must be 0 or greater");
     assert!(GaussianMixture::independent([f64::NAN, 0.0], [0.15, 0.1]).is_err());
@@ -249,7 +199,7 @@ fn what_cannot_work_is_refused_before_the_first_step() {
 #[test]
 fn a_run_that_cannot_go_on_says_why() {
     let lattice = InitialLattice::box_of(41);
-    let fixed = custom(|c| c.step = StepRule::Fixed { dt: 0.5 });
+    let fixed = changed(|c| c.step = StepRule::Fixed { dt: 0.5 });
     let mut simulation = Simulation::new(damper(), &law(), &config(fixed, lattice)).unwrap();
     assert!(matches!(
         simulation.advance_to(2.0),

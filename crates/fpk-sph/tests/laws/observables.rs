@@ -2,29 +2,21 @@
 
 use std::f64::consts::{E, PI};
 
-use fpk_sph::{Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Simulation};
+use fpk_sph::{Error, InitialLattice, Simulation};
 use sde_integrators::GaussianMixture;
-use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
+use vibrating_systems::LinearOscillator;
+
+use crate::fixtures::{config, oscillator};
 
 const DEVIATIONS: [f64; 2] = [0.15, 0.10];
 /// Standard deviations between particles, of which there are 41 along each axis.
 const SPACING: f64 = 0.3;
 
 fn at_start() -> (Simulation<LinearOscillator, 2, 1>, GaussianMixture<2>) {
-    let oscillator = LinearOscillator::new(LinearOscillatorParameters {
-        natural_frequency: PI,
-        damping_ratio: 0.01,
-        noise_intensity: 0.2,
-        window: Window::Stationary,
-    });
     let law = GaussianMixture::independent([0.0, 0.0], DEVIATIONS).unwrap();
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice: InitialLattice::Box { count: [41, 41], reach: 6.0 },
-        reference_period: 2.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
-    (Simulation::new(oscillator.unwrap(), &law, &config).unwrap(), law)
+    let lattice = InitialLattice::Box { count: [41, 41], reach: 6.0 };
+    let system = oscillator(PI, 0.01, 0.2);
+    (Simulation::new(system, &law, &config(lattice, 2.0)).unwrap(), law)
 }
 
 #[test]

@@ -1,33 +1,18 @@
 //! How far a lattice goes, and what is known of a probability that it does not hold.
 
 use fpk_sph::observables::{FirstPassage, Probability};
-use fpk_sph::{
-    Config, DEFAULT_MOST_STEPS, Error, InitialLattice, MOST_OUTSIDE, Method, Simulation,
-};
+use fpk_sph::{Error, InitialLattice, MOST_OUTSIDE, Simulation};
 use sde_integrators::GaussianMixture;
-use vibrating_systems::{LinearOscillator, LinearOscillatorParameters, Window};
+use vibrating_systems::LinearOscillator;
 
-fn oscillator() -> LinearOscillator {
-    LinearOscillator::new(LinearOscillatorParameters {
-        natural_frequency: std::f64::consts::TAU,
-        damping_ratio: 0.05,
-        noise_intensity: 1.0,
-        window: Window::Stationary,
-    })
-    .unwrap()
-}
+use crate::fixtures::{config, oscillator};
 
 const DEVIATIONS: [f64; 2] = [0.05, 0.3];
 
 fn simulation(lattice: InitialLattice<2>) -> Simulation<LinearOscillator, 2, 1> {
-    let config = Config {
-        method: Method::FlowMapFit,
-        lattice,
-        reference_period: 1.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
     let law = GaussianMixture::independent([0.0; 2], DEVIATIONS).unwrap();
-    Simulation::new(oscillator(), &law, &config).unwrap()
+    let system = oscillator(std::f64::consts::TAU, 0.05, 1.0);
+    Simulation::new(system, &law, &config(lattice, 1.0)).unwrap()
 }
 
 #[test]

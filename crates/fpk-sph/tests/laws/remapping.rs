@@ -1,37 +1,24 @@
 //! Remeshing: keeps mass and moments, continues where the flow folds, and is saved with the state.
 
-use fpk_sph::{
-    Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, Method, Remapping, Simulation,
-};
+use fpk_sph::{Combination, Config, Error, InitialLattice, Method, Remapping, Simulation};
 use sde_integrators::{GaussianMixture, Sde};
-use vibrating_systems::{
-    Duffing, DuffingParameters, LinearOscillator, LinearOscillatorParameters, Window,
-};
+use vibrating_systems::{Duffing, DuffingParameters, LinearOscillator};
+
+use crate::fixtures::{self, bits, oscillator};
 
 fn linear() -> LinearOscillator {
-    LinearOscillator::new(structure()).unwrap()
+    oscillator(1.0, 0.05, 0.1)
 }
 
 fn duffing() -> Duffing {
-    Duffing::new(DuffingParameters { structure: structure(), cubic_stiffness: 0.5 }).unwrap()
-}
-
-fn structure() -> LinearOscillatorParameters {
-    LinearOscillatorParameters {
-        natural_frequency: 1.0,
-        damping_ratio: 0.05,
-        noise_intensity: 0.1,
-        window: Window::Stationary,
-    }
+    let structure = linear().parameters().clone();
+    Duffing::new(DuffingParameters { structure, cubic_stiffness: 0.5 }).unwrap()
 }
 
 fn config(method: Method, remapping: Option<Remapping>) -> Config<2> {
-    Config {
-        method: Method::Custom(Combination { remapping, ..method.combination() }),
-        lattice: InitialLattice::Ball { reach: 5.0, spacing: 0.5 },
-        reference_period: std::f64::consts::TAU,
-        most_steps: DEFAULT_MOST_STEPS,
-    }
+    let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.5 };
+    let method = Method::Custom(Combination { remapping, ..method.combination() });
+    Config { method, ..fixtures::config(lattice, std::f64::consts::TAU) }
 }
 
 fn start<S: Sde<2, 1>>(system: S, config: &Config<2>) -> Simulation<S, 2, 1> {
@@ -42,11 +29,6 @@ fn start<S: Sde<2, 1>>(system: S, config: &Config<2>) -> Simulation<S, 2, 1> {
 /// Mass, mean and second moments.
 fn moments<S: Sde<2, 1>>(simulation: &Simulation<S, 2, 1>) -> [f64; 6] {
     [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]].map(|powers| simulation.raw_moment(powers))
-}
-
-fn bits<S: Sde<2, 1>>(simulation: &Simulation<S, 2, 1>) -> Vec<u64> {
-    let positions = simulation.positions().iter().flatten();
-    positions.chain(simulation.masses()).map(|x| x.to_bits()).collect()
 }
 
 #[test]

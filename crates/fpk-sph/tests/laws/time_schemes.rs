@@ -2,53 +2,27 @@
 
 use fpk_sph::score::{Degree, Estimates, FlowMapFit, LatticePlaces, LocalMap};
 use fpk_sph::{
-    Cloud, Combination, Config, DEFAULT_MOST_STEPS, Error, InitialLattice, MOST_NEGLIGIBLE, Method,
-    Remapping, Scheme, ScoreEstimator, Simulation, StepRule,
+    Cloud, Combination, Config, Error, InitialLattice, MOST_NEGLIGIBLE, Method, Remapping, Scheme,
+    ScoreEstimator, Simulation, StepRule,
 };
 use neighbour_search::Criterion;
 use sde_integrators::{Additive, GaussianMixture, Sde};
 use vibrating_systems::{
-    BoucWen, BoucWenParameters, LinearOscillator, LinearOscillatorParameters, OrnsteinUhlenbeck,
-    OrnsteinUhlenbeckParameters, TwoStorey, TwoStoreyParameters, ViscousDamper,
-    ViscousDamperParameters, Window,
+    BoucWen, BoucWenParameters, LinearOscillator, OrnsteinUhlenbeck, OrnsteinUhlenbeckParameters,
+    TwoStorey, TwoStoreyParameters, ViscousDamper, Window,
 };
 
-fn damper() -> ViscousDamper {
-    let structure = LinearOscillatorParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.01,
-        noise_intensity: 0.2,
-        window: Window::CANOR_DENOEL_2013,
-    };
-    let (damper_coefficient, damper_exponent) = (0.25, 0.35);
-    ViscousDamper::new(ViscousDamperParameters { structure, damper_coefficient, damper_exponent })
-        .unwrap()
-}
-
-fn law() -> GaussianMixture<2> {
-    GaussianMixture::independent([0.0, 0.0], [0.15, 0.10]).unwrap()
-}
+use crate::fixtures::{self, changed, damper, law, oscillator, same_bits};
 
 fn config(scheme: Scheme, step: StepRule, count: usize) -> Config<2> {
-    let combination = Combination { scheme, step, ..Method::FlowMapFit.combination() };
-    Config {
-        method: Method::Custom(combination),
-        lattice: InitialLattice::box_of(count),
-        reference_period: 2.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    }
+    let method = changed(|c| (c.scheme, c.step) = (scheme, step));
+    Config { method, ..fixtures::config(InitialLattice::box_of(count), 2.0) }
 }
 
 fn run(config: &Config<2>, time: f64) -> Simulation<ViscousDamper, 2, 1> {
     let mut simulation = Simulation::new(damper(), &law(), config).unwrap();
     simulation.advance_to(time).unwrap();
     simulation
-}
-
-fn bits<S: Sde<D, M>, const D: usize, const M: usize>(
-    simulation: &Simulation<S, D, M>,
-) -> Vec<u64> {
-    simulation.positions().iter().flatten().map(|x| x.to_bits()).collect()
 }
 
 /// Evaluations of one step.
@@ -59,7 +33,7 @@ fn evaluations(simulation: &mut Simulation<ViscousDamper, 2, 1>) -> u64 {
 }
 
 /// A damped linear oscillator whose covariance is known.
-fn oscillator() -> OrnsteinUhlenbeck<2> {
+fn process() -> OrnsteinUhlenbeck<2> {
     let w = std::f64::consts::PI;
     OrnsteinUhlenbeck::new(OrnsteinUhlenbeckParameters {
         rates: [[0.0, -1.0], [w * w, 0.4]],
@@ -69,22 +43,22 @@ fn oscillator() -> OrnsteinUhlenbeck<2> {
     .unwrap()
 }
 
-/// The worse relative error of both variances of [`oscillator`] at `t = 1.5` after so many steps.
+/// The worse relative error of both variances of [`process`] at `t = 1.5` after so many steps.
 fn error_of_variances(scheme: Scheme, n_steps: u32) -> f64 {
     let time = 1.5;
     let config = Config {
         lattice: InitialLattice::Box { reach: 8.0, count: [21, 21] },
         ..config(scheme, StepRule::Fixed { dt: time / f64::from(n_steps) }, 21)
     };
-    let mut simulation = Simulation::new(oscillator(), &law(), &config).unwrap();
+    let mut simulation = Simulation::new(process(), &law(), &config).unwrap();
     simulation.advance_to(time).unwrap();
-    let exact = oscillator().covariance_at(time, &law().covariance()).unwrap();
+    let exact = process().covariance_at(time, &law().covariance()).unwrap();
     let error = |powers, exact: f64| (simulation.raw_moment(powers) / exact - 1.0).abs();
     error([2, 0], exact[0][0]).max(error([0, 2], exact[1][1]))
 }
 
 #[test]
-fn each_scheme_has_its_order_on_the_linear_oscillator() {
+fn each_scheme_has_its_order_on_the_linear_process() {
     for (scheme, order) in [(Scheme::RungeKutta4, 4.0), (Scheme::LawsonAdamsBashforth2, 2.0)] {
         let errors = [24, 48, 96].map(|n_steps| error_of_variances(scheme, n_steps));
         for pair in errors.windows(2) {
@@ -97,13 +71,7 @@ fn each_scheme_has_its_order_on_the_linear_oscillator() {
 
 #[test]
 fn an_undamped_oscillator_gains_and_loses_energy_by_the_root_of_each_scheme() {
-    let system = LinearOscillator::new(LinearOscillatorParameters {
-        natural_frequency: std::f64::consts::PI,
-        damping_ratio: 0.0,
-        noise_intensity: 0.0,
-        window: Window::Stationary,
-    })
-    .unwrap();
+    let system = oscillator(std::f64::consts::PI, 0.0, 0.0);
     let (dt, n_steps) = (0.02_f64, 500.0);
     let theta = std::f64::consts::PI * dt;
     // |R(i theta)|^2 - 1 of a step; roundoff of the moments in 500 steps, 1e-13, over the growth of all.
@@ -135,7 +103,7 @@ fn an_undamped_oscillator_gains_and_loses_energy_by_the_root_of_each_scheme() {
 fn without_noise_the_exact_flow_has_no_error_of_the_step() {
     let quiet = OrnsteinUhlenbeck::new(OrnsteinUhlenbeckParameters {
         noise: [[0.0; 2]; 2],
-        ..*oscillator().parameters()
+        ..*process().parameters()
     })
     .unwrap();
     let config = config(Scheme::LawsonAdamsBashforth2, StepRule::Fixed { dt: 0.5 }, 9);
@@ -234,13 +202,9 @@ fn the_limit_of_each_scheme_holds_and_is_not_far_from_where_it_fails() {
 fn hysteresis(scheme: Scheme, negligible: f64) -> Result<Simulation<BoucWen, 3, 1>, Error> {
     let system = BoucWen::new(BoucWenParameters::CANOR_DENOEL_2013)?;
     let law = GaussianMixture::independent([0.0; 3], [0.05; 3]).unwrap();
-    let combination = Combination { scheme, negligible, ..Method::FlowMapFit.combination() };
-    let config = Config {
-        method: Method::Custom(combination),
-        lattice: InitialLattice::Ball { reach: 5.0, spacing: 0.8 },
-        reference_period: 2.0,
-        most_steps: DEFAULT_MOST_STEPS,
-    };
+    let method = changed(|c| (c.scheme, c.negligible) = (scheme, negligible));
+    let lattice = InitialLattice::Ball { reach: 5.0, spacing: 0.8 };
+    let config = Config { method, ..fixtures::config(lattice, 2.0) };
     Simulation::new(system, &law, &config)
 }
 
@@ -284,37 +248,13 @@ fn a_fixed_step_beyond_the_limit_of_its_scheme_is_refused_with_that_limit() {
 #[test]
 fn the_same_bits_come_from_any_number_of_threads_and_after_a_restart() {
     for negligible in [0.0, 1e-2] {
-        let scheme = Scheme::LawsonAdamsBashforth2;
-        let new = || {
-            let step = StepRule::PeriodFraction { steps_per_period: 40.0 };
-            let mut config = config(scheme, step, 41);
-            if let Method::Custom(combination) = &mut config.method {
-                combination.negligible = negligible;
-            }
-            Simulation::new(damper(), &law(), &config).unwrap()
-        };
-        let whole = || {
-            let mut simulation = new();
-            simulation.advance_to(0.3).unwrap();
-            simulation.advance_to(0.75).unwrap();
-            bits(&simulation)
-        };
-        let resumed = || {
-            let (mut first, mut second, mut bytes) = (new(), new(), Vec::new());
-            first.advance_to(0.3).unwrap();
-            first.snapshot(&mut bytes).unwrap();
-            second.restore(&bytes[..]).unwrap();
-            second.advance_to(0.75).unwrap();
-            bits(&second)
-        };
-        let with = |threads: usize, run: &(dyn Fn() -> Vec<u64> + Sync)| {
-            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
-        };
-        let one = with(1, &whole);
-        for threads in [1, 2, 8] {
-            assert!(with(threads, &whole) == one, "{scheme:?}, {threads} threads");
-            assert!(with(threads, &resumed) == one, "{scheme:?}, {threads} threads, restarted");
-        }
+        let method = changed(|c| {
+            c.scheme = Scheme::LawsonAdamsBashforth2;
+            c.step = StepRule::PeriodFraction { steps_per_period: 40.0 };
+            c.negligible = negligible;
+        });
+        let config = Config { method, ..fixtures::config(InitialLattice::box_of(41), 2.0) };
+        same_bits(|| Simulation::new(damper(), &law(), &config).unwrap(), [0.3, 0.75]);
     }
 }
 
@@ -409,7 +349,7 @@ fn rest<S: Sde<D, M>, const D: usize, const M: usize>(system: &S, x: &[f64; D]) 
 #[test]
 fn the_declared_linear_parts_leave_what_is_not_linear() {
     let is_zero = |rest: &[f64]| rest.iter().all(|value| value.abs() < 1e-13);
-    assert!(is_zero(&rest(&oscillator(), &[0.3, -0.7])));
+    assert!(is_zero(&rest(&process(), &[0.3, -0.7])));
     let [still, force] = rest(&damper(), &[0.3, -0.7]);
     assert!(is_zero(&[still, force - 0.25 * 0.7_f64.powf(0.35)]), "{still} {force}");
     let frame = TwoStorey::new(TwoStoreyParameters {

@@ -13,7 +13,7 @@ use peridyn_sde::law::CriticalStretch;
 use peridyn_sde::{
     BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading,
     Mobility, Network, Nodes, Program, Real, SavedState, Scheme, Simulation, SimulationConfig,
-    Strain, SurfaceCorrection, VolumeCorrection,
+    Strain, VolumeCorrection,
 };
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -69,11 +69,12 @@ impl Body {
         let condition = Condition::PlaneStress { thickness: self.thickness };
         let nodes = Nodes::lattice(self.spacing, ([0.0; 2], [self.edge; 2]), condition, |_| true)?;
         let config = BondConfig {
-            horizon: Horizon::of_shells(self.shells, self.spacing)?,
-            young_modulus: self.young_modulus,
             influence: self.influence,
             volume_correction: VolumeCorrection::Ramp,
-            surface_correction: SurfaceCorrection::None,
+            ..BondConfig::uncorrected(
+                Horizon::of_shells(self.shells, self.spacing)?,
+                self.young_modulus,
+            )
         };
         let bonds = Bonds::new(&nodes, &config)?;
         Ok((nodes, bonds))

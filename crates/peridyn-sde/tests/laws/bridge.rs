@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use peridyn_sde::{
-    Body, BondList, Breaking, Cause, Dynamics, LatticeBody, Loading, Mobility, Real, Scheme,
-    Simulation, SimulationConfig, Strain,
+    Body, BondList, Breaking, Cause, LatticeBody, Loading, Real, Scheme, Simulation,
+    SimulationConfig, Strain,
 };
-use sde_integrators::Noise;
 
 use crate::dynamics::plate;
+use crate::fixtures::{in_time, overdamped};
 
 const N_STEPS: usize = 20;
 const STRENGTH: f64 = 0.08;
@@ -22,13 +22,8 @@ fn broken<T: Real, const L: usize>(
     realisations: [u64; L],
 ) -> Broken {
     let n = body.nodes().positions().len();
-    let dynamics = Dynamics::Overdamped {
-        mobility: Mobility::identity(&vec![true; n], 1.0).unwrap(),
-        temperature: 2e-3,
-        scheme: Scheme::EulerMaruyama,
-    };
-    let config =
-        SimulationConfig { dynamics, dt: 0.05, breaking, confinement: 0.0, noise: Noise::new(3) };
+    let dynamics = overdamped(&vec![true; n], Scheme::EulerMaruyama, 2e-3);
+    let config = SimulationConfig { breaking, ..in_time(dynamics, 0.05, 3) };
     let mut run = Simulation::new(body, Loading::new(n), config, realisations).unwrap();
     let mut found = Broken::new();
     for _ in 0..N_STEPS {

@@ -2,8 +2,8 @@
 
 use peridyn_sde::law::CriticalStretch;
 use peridyn_sde::{
-    BondConfig, Bonds, Condition, Horizon, Influence, Network, Nodes, SurfaceCorrection,
-    VolumeCorrection, critical_stretch,
+    BondConfig, Bonds, Condition, Horizon, Influence, Network, Nodes, VolumeCorrection,
+    critical_stretch,
 };
 
 /// Around the node in the middle of a body that holds all that it sees: twice the energy of its bonds under a small uniform
@@ -36,13 +36,7 @@ fn energy_of_middle<const D: usize>(
 }
 
 fn config(horizon: Horizon, correction: VolumeCorrection) -> BondConfig {
-    BondConfig {
-        horizon,
-        young_modulus: 3.0,
-        influence: Influence::Constant,
-        volume_correction: correction,
-        surface_correction: SurfaceCorrection::None,
-    }
+    BondConfig { volume_correction: correction, ..BondConfig::uncorrected(horizon, 3.0) }
 }
 
 const CORRECTIONS: [(&str, VolumeCorrection); 3] = [

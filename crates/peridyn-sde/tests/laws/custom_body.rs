@@ -1,11 +1,11 @@
 //! A body of a user's own: the five required methods of `Body` are enough for every scheme.
 
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, BondList, Bonds, Breaking, BrokenBond, Cause, Condition,
-    Dynamics, Error, Horizon, Loading, Mobility, Nodes, Scheme, Simulation, SimulationConfig,
-    Strain,
+    AtStrength, Body, BondList, Bonds, Breaking, BrokenBond, Cause, Condition, Error, Loading,
+    Nodes, Scheme, Simulation, SimulationConfig, Strain,
 };
-use sde_integrators::Noise;
+
+use crate::fixtures::{bonded, in_time, overdamped};
 
 const STRENGTH: f64 = 0.02;
 
@@ -55,11 +55,7 @@ impl Body<f64, 1, 1> for Springs {
 
 /// Twenty nodes in a row, each bonded to two others on either side.
 fn row() -> (Nodes<1>, Bonds) {
-    let bar = Condition::Bar { area: 1.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0], [20.0]), bar, |_| true).unwrap();
-    let config = BondConfig::uncorrected(Horizon::of_shells(2, 1.0).unwrap(), 1.0);
-    let bonds = Bonds::new(&nodes, &config).unwrap();
-    (nodes, bonds)
+    bonded(20.0, Condition::Bar { area: 1.0 }, 2)
 }
 
 fn springs() -> Springs {
@@ -78,13 +74,7 @@ struct End {
 }
 
 fn end(body: impl Body<f64, 1, 1> + 'static, scheme: Scheme) -> End {
-    let dynamics = Dynamics::Overdamped {
-        mobility: Mobility::identity(&[true; 20], 1.0).unwrap(),
-        temperature: 5e-5,
-        scheme,
-    };
-    let (breaking, confinement, noise) = (Breaking::AtEnds, 0.0, Noise::new(3));
-    let config = SimulationConfig { dynamics, dt: 0.2, breaking, confinement, noise };
+    let config = in_time(overdamped(&[true; 20], scheme, 5e-5), 0.2, 3);
     let mut run = Simulation::new(body, Loading::new(20), config, [0]).unwrap();
     run.cut(&[0]).unwrap();
     let mut broken = Vec::new();
@@ -127,13 +117,9 @@ fn a_body_of_five_methods_runs_as_the_built_in_one_of_the_same_bonds() {
 
 #[test]
 fn bonds_of_such_a_body_break_in_forces_alone() {
-    let dynamics = Dynamics::Overdamped {
-        mobility: Mobility::identity(&[true; 20], 1.0).unwrap(),
-        temperature: 3e-4,
-        scheme: Scheme::EulerMaruyama,
-    };
-    let (breaking, confinement, noise) = (Breaking::Bridge, 0.0, Noise::new(3));
-    let config = SimulationConfig { dynamics, dt: 0.2, breaking, confinement, noise };
+    let dynamics = overdamped(&[true; 20], Scheme::EulerMaruyama, 3e-4);
+    let breaking = Breaking::Bridge;
+    let config = SimulationConfig { breaking, ..in_time(dynamics, 0.2, 3) };
     let mut run = Simulation::new(springs(), Loading::new(20), config, [0]).unwrap();
     for _ in 0..50 {
         assert!(run.step().unwrap().broken.is_empty());

@@ -1,10 +1,11 @@
 //! A law of a user's own: strings, which resist tension alone and never break.
 
 use peridyn_sde::{
-    Body, BondConfig, BondLaw, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Loading,
-    Mobility, Network, Nodes, Scheme, Simulation, SimulationConfig,
+    Body, BondConfig, BondLaw, Bonds, Condition, Error, Horizon, Loading, Network, Scheme,
+    Simulation,
 };
-use sde_integrators::Noise;
+
+use crate::fixtures::{cube, in_time, overdamped};
 
 // docs: law
 #[derive(Debug)]
@@ -32,8 +33,7 @@ impl BondLaw for Cord {
 
 /// Five nodes in a row.
 fn net() -> Network<Cord, 1> {
-    let nodes =
-        Nodes::lattice(1.0, ([0.0], [5.0]), Condition::Bar { area: 1.0 }, |_| true).unwrap();
+    let nodes = cube(5.0, Condition::Bar { area: 1.0 });
     let config = BondConfig::uncorrected(Horizon::of_shells(1, 1.0).unwrap(), 2.0);
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let strengths = vec![1.0; bonds.len()];
@@ -86,10 +86,7 @@ fn the_step_is_held_against_the_steeper_side_at_rest() {
         let network = net();
         let spring = network.bonds().all()[0].stiffness / network.bonds().all()[0].length;
         let rate = 4.0 * spring * (2.0 * std::f64::consts::PI / 5.0).sin().powi(2);
-        let mobility = Mobility::identity(&[true; 5], 1.0).unwrap();
-        let dynamics = Dynamics::Overdamped { mobility, temperature: 0.0, scheme };
-        let (breaking, confinement, noise) = (Breaking::AtEnds, 0.0, Noise::new(1));
-        let config = SimulationConfig { dynamics, dt: z / rate, breaking, confinement, noise };
+        let config = in_time(overdamped(&[true; 5], scheme, 0.0), z / rate, 1);
         Simulation::new(network, Loading::new(5), config, [0])
     };
     let z = start(Scheme::EulerMaruyama, 1.99).unwrap().relative_step();

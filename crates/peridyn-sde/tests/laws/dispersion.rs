@@ -1,8 +1,7 @@
 //! Waves in a long bar: their frequency by their length, on the lattice and in the limit of a fine one.
 
 use peridyn_sde::{
-    Body, BondConfig, BondList, Bonds, Condition, Horizon, Influence, Nodes, Strain,
-    SurfaceCorrection, VolumeCorrection,
+    Body, BondConfig, BondList, Bonds, Condition, Horizon, Nodes, Strain, VolumeCorrection,
 };
 use serde_json::Value;
 
@@ -14,11 +13,8 @@ fn frequency(shells: u32, volume_correction: VolumeCorrection, kappa: f64) -> f6
         let ends = ([-reach - 0.5], [reach + 0.5]);
         let nodes = Nodes::lattice(1.0, ends, Condition::Bar { area: 1.0 }, |_| true).unwrap();
         let config = BondConfig {
-            horizon: Horizon::new(f64::from(shells) + beyond, 1.0).unwrap(),
-            young_modulus: 1.0,
-            influence: Influence::Constant,
             volume_correction,
-            surface_correction: SurfaceCorrection::None,
+            ..BondConfig::uncorrected(Horizon::new(f64::from(shells) + beyond, 1.0).unwrap(), 1.0)
         };
         let bonds = Bonds::new(&nodes, &config).unwrap();
         let wave: Vec<f64> = nodes.positions().iter().map(|x| (kappa * x[0]).cos()).collect();

@@ -6,35 +6,21 @@ use peridyn_sde::{
     LatticeBody, Loading, Mobility, Network, Nodes, Program, Scheme, Simulation, SimulationConfig,
     Strain,
 };
-use sde_integrators::Noise;
 
-/// Of spacing 1, with a horizon of three shells.
+use crate::fixtures::{PLATE, at, bonded, in_time, overdamped};
+
+/// With a horizon of three shells.
 pub(super) fn plate(side: f64) -> (Nodes<2>, Bonds) {
-    let condition = Condition::PlaneStress { thickness: 1.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0; 2], [side; 2]), condition, |_| true).unwrap();
-    let config = BondConfig::uncorrected(Horizon::of_shells(3, 1.0).unwrap(), 1.0);
-    let bonds = Bonds::new(&nodes, &config).unwrap();
-    (nodes, bonds)
+    bonded(side, PLATE, 3)
 }
 
 /// The first columns of nodes, which are held.
 fn left(nodes: &Nodes<2>) -> Vec<usize> {
-    let held = |(node, x): (usize, &[f64; 2])| (x[0] < 1.0).then_some(node);
-    nodes.positions().iter().enumerate().filter_map(held).collect()
-}
-
-fn overdamped(free: &[bool], scheme: Scheme, temperature: f64) -> Dynamics {
-    Dynamics::Overdamped { mobility: Mobility::identity(free, 1.0).unwrap(), temperature, scheme }
+    at(nodes, |x| x[0] < 1.0)
 }
 
 fn config(dynamics: Dynamics, dt: f64) -> SimulationConfig {
-    SimulationConfig {
-        dynamics,
-        dt,
-        breaking: Breaking::AtEnds,
-        confinement: 0.0,
-        noise: Noise::new(9),
-    }
+    in_time(dynamics, dt, 9)
 }
 
 fn all_free(nodes: &Nodes<2>) -> Vec<bool> {
@@ -211,20 +197,12 @@ fn verlet_keeps_the_energy_and_friction_takes_it() {
 #[test]
 fn a_predictor_strains_evenly() {
     let (nodes, bonds) = plate(12.0);
-    let grips: Vec<usize> = nodes
-        .positions()
-        .iter()
-        .enumerate()
-        .filter_map(|(node, x)| (x[1] < 2.0 || x[1] > 10.0).then_some(node))
-        .collect();
+    let grips = at(&nodes, |x| x[1] < 2.0 || x[1] > 10.0);
     let n = nodes.positions().len();
     let ramp = Program::Linear { rate: 0.01 };
     let follow =
         Loading::new(n).stretch(&nodes, &grips, [true; 2], [[0.0; 2], [0.0, 1.0]], ramp).unwrap();
-    let upper: Vec<usize> =
-        grips.iter().copied().filter(|&i| nodes.positions()[i][1] > 10.0).collect();
-    let lower: Vec<usize> =
-        grips.iter().copied().filter(|&i| nodes.positions()[i][1] < 2.0).collect();
+    let (lower, upper) = (at(&nodes, |x| x[1] < 2.0), at(&nodes, |x| x[1] > 10.0));
     let without = Loading::new(n)
         .hold(&lower)
         .unwrap()
@@ -244,12 +222,7 @@ fn a_predictor_strains_evenly() {
 #[test]
 fn a_load_is_borne_by_the_grips() {
     let (nodes, bonds) = plate(8.0);
-    let last: Vec<usize> = nodes
-        .positions()
-        .iter()
-        .enumerate()
-        .filter_map(|(node, x)| (x[0] > 7.0).then_some(node))
-        .collect();
+    let last = at(&nodes, |x| x[0] > 7.0);
     let force = [3e-3, -1e-3];
     let loading = held(&nodes).force(&last, &[force; 8], Program::Constant(1.0)).unwrap();
     let dynamics = Dynamics::Inertial { density: 1.0, friction: 0.3, temperature: 0.0 };
@@ -277,11 +250,7 @@ fn reports_name_the_bond_the_step_and_the_cause() {
         .unwrap()
         .displace(&[1], [true], [1.0], Program::Linear { rate: 1.0 })
         .unwrap();
-    let dynamics = Dynamics::Overdamped {
-        mobility: Mobility::identity(&[true; 3], 1.0).unwrap(),
-        temperature: 0.0,
-        scheme: Scheme::EulerMaruyama,
-    };
+    let dynamics = overdamped(&[true; 3], Scheme::EulerMaruyama, 0.0);
     let mut run = Simulation::new(body, loading, config(dynamics, 0.03), [7]).unwrap();
     // After four steps the stretch is 0.12; the forces of the fifth find it.
     let reports = (0..6).map(|_| run.step().unwrap());

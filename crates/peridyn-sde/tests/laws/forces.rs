@@ -5,20 +5,11 @@ use peridyn_sde::{
     BondConfig, BondLaw, Bonds, Condition, Error, Horizon, Network, Nodes, VolumeCorrection,
 };
 
-fn config(horizon: Horizon) -> BondConfig {
-    BondConfig::uncorrected(horizon, 1.0)
-}
-
-/// Small displacements without a pattern.
-fn shaken<const D: usize>(n: usize, size: f64) -> Vec<[f64; D]> {
-    let wave = |node: usize, k: usize| (1.7 * node as f64 + 2.3 * k as f64 + 0.4).sin();
-    (0..n).map(|node| std::array::from_fn(|k| size * wave(node, k))).collect()
-}
+use crate::fixtures::{bonded, config, cube, rows, shaken};
 
 fn are_slopes_of_the_energy<L: BondLaw, const D: usize>(law: L, condition: Condition) {
     let side = if D == 3 { 4.0 } else { 6.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0; D], [side; D]), condition, |_| true).unwrap();
-    let bonds = Bonds::new(&nodes, &config(Horizon::of_shells(2, 1.0).unwrap())).unwrap();
+    let (nodes, bonds) = bonded(side, condition, 2);
     let n = nodes.positions().len();
     let strengths = vec![0.2; bonds.len()];
     let mut network = Network::new(nodes, bonds, law, strengths).unwrap();
@@ -64,7 +55,7 @@ fn forces_are_minus_the_slope_of_the_energy_and_sum_to_nothing() {
 fn bonds_break_in_tension_alone_and_for_good() {
     let nodes =
         Nodes::new(vec![[0.0], [1.0]], vec![1.0; 2], 1.0, Condition::Bar { area: 1.0 }).unwrap();
-    let bonds = Bonds::new(&nodes, &config(Horizon::of_shells(1, 1.0).unwrap())).unwrap();
+    let bonds = Bonds::new(&nodes, &config(1)).unwrap();
     let mut network = Network::new(nodes, bonds, CriticalStretch, vec![0.1]).unwrap();
     let at = |s: f64| [[0.0], [s]];
     network.advance(&at(0.0), &at(-0.5), 1.0).unwrap();
@@ -82,7 +73,7 @@ fn what_cannot_be_is_refused_with_its_value() {
     let bar = Condition::Bar { area: 1.0 };
     let refused = |positions: Vec<[f64; 1]>, volumes: Vec<f64>| {
         let nodes = Nodes::new(positions, volumes, 1.0, bar)?;
-        Bonds::new(&nodes, &config(Horizon::of_shells(1, 1.0)?))
+        Bonds::new(&nodes, &config(1))
     };
     assert_eq!(refused(vec![], vec![]).unwrap_err(), Error::EmptyBody { spacing: 1.0 });
     let negative = refused(vec![[0.0], [1.0]], vec![1.0, -1.0]).unwrap_err();
@@ -103,7 +94,7 @@ fn what_cannot_be_is_refused_with_its_value() {
     assert_eq!(flat.to_string(), "plane stress has 2 dimensions; the body has 1");
 
     let nodes = Nodes::new(vec![[0.0], [1.0]], vec![1.0; 2], 1.0, bar).unwrap();
-    let bonds = Bonds::new(&nodes, &config(Horizon::of_shells(1, 1.0).unwrap())).unwrap();
+    let bonds = Bonds::new(&nodes, &config(1)).unwrap();
     let weak = Network::new(nodes.clone(), bonds.clone(), CriticalStretch, vec![-0.1]).unwrap_err();
     assert!(matches!(weak, Error::Parameter { name: "strength of a bond", .. }));
     let mut network = Network::new(nodes, bonds, CriticalStretch, vec![0.1]).unwrap();
@@ -115,26 +106,21 @@ fn what_cannot_be_is_refused_with_its_value() {
     assert!(network.cut(&[1]).is_err() && network.advance(&[[0.0]; 2], &[[0.0]; 2], 0.0).is_err());
 }
 
-fn numbers(value: &serde_json::Value) -> Vec<[f64; 3]> {
-    let row = |row: &serde_json::Value| std::array::from_fn(|k| row[k].as_f64().unwrap());
-    value.as_array().unwrap().iter().map(row).collect()
-}
-
 #[test]
 fn forces_are_those_of_lammps() {
     let text = include_str!("../data/lammps_pmb_forces_6x6x6.json");
     let data: serde_json::Value = serde_json::from_str(text).unwrap();
-    let (x, expected) = (numbers(&data["x"]), numbers(&data["f"]));
+    let (x, expected) = (rows(&data["x"]), rows(&data["f"]));
     let dx = 5e-4;
     // The first index fastest, from the origin. As products of the spacing, so that displacements are exact differences.
     let at = |node: usize| [node % 6, node / 6 % 6, node / 36].map(|index| index as f64 * dx);
     let positions: Vec<[f64; 3]> = (0..216).map(at).collect();
     let u: Vec<[f64; 3]> = (0..216).map(|i| std::array::from_fn(|k| x[i][k] - at(i)[k])).collect();
     let nodes = Nodes::new(positions, vec![dx.powi(3); 216], dx, Condition::Solid).unwrap();
+    let horizon = Horizon::of_shells(3, dx).unwrap();
     let config = BondConfig {
-        young_modulus: 1.5 * 14.9e9,
         volume_correction: VolumeCorrection::Partial,
-        ..config(Horizon::of_shells(3, dx).unwrap())
+        ..BondConfig::uncorrected(horizon, 1.5 * 14.9e9)
     };
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let strengths = vec![1.0; bonds.len()];
@@ -149,15 +135,16 @@ fn forces_are_those_of_lammps() {
     };
     // LAMMPS takes the stretch as a difference of lengths: its own roundoff is 1.2e-13 of the largest force, by arithmetic of 40
     // digits over the same positions, which ours meets.
-    let (lammps, exact) = (off(&expected), off(&numbers(&data["exact"])));
+    let (lammps, exact) = (off(&expected), off(&rows(&data["exact"])));
     assert!(lammps < 1.5e-13 && exact < 2e-15, "{lammps:e} {exact:e}");
 }
 
 #[test]
 fn a_notch_cuts_the_bonds_that_cross_it() {
     let plate = Condition::PlaneStrain { thickness: 1.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0; 2], [6.0; 2]), plate, |_| true).unwrap();
-    let bonds = Bonds::new(&nodes, &config(Horizon::new(1.1, 1.0).unwrap())).unwrap();
+    let nodes = cube(6.0, plate);
+    let config = BondConfig::uncorrected(Horizon::new(1.1, 1.0).unwrap(), 1.0);
+    let bonds = Bonds::new(&nodes, &config).unwrap();
     // From the left edge between the rows at 2.5 and 3.5, past the nodes at 0.5, 1.5 and 2.5.
     let cut = bonds.across_segment(&nodes, ([-1.0, 3.0], [3.0, 3.0])).unwrap();
     let pairs: Vec<_> = bonds.pairs().collect();

@@ -1,13 +1,14 @@
 //! Strength and stiffness that are given at the nodes.
 
 use peridyn_sde::{
-    BondConfig, BondOrder, BondValue, Bonds, Breaking, Condition, CrackRun, CrackStudy,
-    DisorderField, Dynamics, Error, FinalState, Horizon, Influence, Loading, Mobility, Nodes,
-    Notch, PathConfig, Precision, Procedure, Program, Scheme, SimulationConfig, Stiffness, Strain,
-    Strength, StudyLaw, SurfaceCorrection, VolumeCorrection,
+    BondConfig, BondOrder, BondValue, Bonds, CrackRun, CrackStudy, DisorderField, Error,
+    FinalState, Loading, Nodes, Notch, PathConfig, Precision, Procedure, Program, Scheme,
+    SimulationConfig, Stiffness, Strain, Strength, StudyLaw, VolumeCorrection,
 };
 use random_fields::{Correlation, CorrelationFunction, GaussianField, Marginal};
 use sde_integrators::Noise;
+
+use crate::fixtures::{PLATE, at, config, cube, in_time, overdamped};
 
 const N: usize = 16;
 pub(super) const N_NODES: usize = N * N;
@@ -20,13 +21,15 @@ const NOTCH: Notch = Notch { mouth: [0.0, 8.0], tip: [5.0, 8.0] };
 
 /// Of the bonds of the plate.
 pub(super) fn bond_config() -> BondConfig {
-    BondConfig {
-        horizon: Horizon::of_shells(2, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::Ramp,
-        surface_correction: SurfaceCorrection::None,
-    }
+    BondConfig { volume_correction: VolumeCorrection::Ramp, ..config(2) }
+}
+
+/// A pull at the lowest and highest two rows of the plate, and the highest.
+pub(super) fn tension(nodes: &Nodes<2>, program: Program) -> (Loading<2>, Vec<usize>) {
+    let (edges, upper) = (at(nodes, |x| x[1] < 2.0 || x[1] > 14.0), at(nodes, |x| x[1] > 14.0));
+    let gradient = [[0.0, 0.0], [0.0, 1.0]];
+    let loading = Loading::new(nodes.positions().len());
+    (loading.stretch(nodes, &edges, [true; 2], gradient, program).unwrap(), upper)
 }
 
 /// A plate of 16 by 16 nodes whose lowest and highest two rows are loaded in tension.
@@ -42,36 +45,18 @@ pub(super) struct Plate {
 impl Plate {
     fn new(nodes: Nodes<2>) -> Self {
         let bonds = Bonds::new(&nodes, &bond_config()).unwrap();
-        let rows = |wanted: &dyn Fn(f64) -> bool| -> Vec<usize> {
-            (0..nodes.positions().len()).filter(|&i| wanted(nodes.positions()[i][1])).collect()
-        };
-        let (lower, upper) = (rows(&|y| y < 2.0), rows(&|y| y > 14.0));
         let free: Vec<bool> = nodes.positions().iter().map(|x| x[1] > 2.0 && x[1] < 14.0).collect();
         // A body that is stretched evenly by 0.9 of the critical stretch, over 400 steps.
         let dt = 0.2;
         let program = Program::Linear { rate: 0.9 * STRETCH / (400.0 * dt) };
-        let gradient = [[0.0, 0.0], [0.0, 1.0]];
-        let loading = Loading::new(nodes.positions().len())
-            .stretch(&nodes, &[lower, upper.clone()].concat(), [true; 2], gradient, program)
-            .unwrap();
-        let dynamics = Dynamics::Overdamped {
-            mobility: Mobility::identity(&free, 1.0).unwrap(),
-            temperature: 1e-9,
-            scheme: Scheme::EulerMaruyama,
-        };
-        let simulation = SimulationConfig {
-            dynamics,
-            dt,
-            breaking: Breaking::AtEnds,
-            confinement: 0.0,
-            noise: Noise::new(SEED),
-        };
+        let (loading, upper) = tension(&nodes, program);
+        let dynamics = overdamped(&free, Scheme::EulerMaruyama, 1e-9);
+        let simulation = in_time(dynamics, dt, SEED);
         Self { nodes, bonds, loading, simulation, upper, free }
     }
 
     pub(super) fn lattice() -> Self {
-        let condition = Condition::PlaneStress { thickness: 1.0 };
-        Self::new(Nodes::lattice(1.0, ([0.0; 2], [N as f64; 2]), condition, |_| true).unwrap())
+        Self::new(cube(N as f64, PLATE))
     }
 
     /// Whether each node is free.

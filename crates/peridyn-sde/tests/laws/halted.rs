@@ -3,10 +3,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use peridyn_sde::{
-    BondValue, CrackRun, CrackStudy, Dynamics, Error, GroupProgress, HaltedRun, Mobility,
-    Precision, Procedure, RunOutcome, Scheme, Stiffness, Strength, StudyLaw,
+    BondValue, CrackRun, CrackStudy, Error, GroupProgress, HaltedRun, Precision, Procedure,
+    RunOutcome, Scheme, Stiffness, Strength, StudyLaw,
 };
 
+use crate::fixtures::overdamped;
 use crate::given::{Plate, STRETCH};
 use crate::slow_ensemble::{loading, slow};
 
@@ -42,11 +43,7 @@ fn pieces_of_a_run_in_time_are_one_run() {
     let mut plate = Plate::lattice();
     let free = plate.free().to_vec();
     for scheme in [Scheme::EulerMaruyama, Scheme::LeimkuhlerMatthews] {
-        plate.simulation.dynamics = Dynamics::Overdamped {
-            mobility: Mobility::identity(&free, 1.0).unwrap(),
-            temperature: 1e-9,
-            scheme,
-        };
+        plate.simulation.dynamics = overdamped(&free, scheme, 1e-9);
         let (strength, _) = plate.field(STRETCH, 0);
         let strength = Strength::Field { field: &strength, value: BondValue::Minimum };
         let study = plate.study(strength, Stiffness::Uniform);

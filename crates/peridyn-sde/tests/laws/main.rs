@@ -9,6 +9,7 @@ mod custom_law;
 mod disorder;
 mod dispersion;
 mod dynamics;
+mod fixtures;
 mod forces;
 mod given;
 mod halted;

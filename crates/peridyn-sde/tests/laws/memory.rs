@@ -1,12 +1,9 @@
 //! Bodies of bonds that wear out, against the closed form of one bond.
 
 use peridyn_sde::law::Memory;
-use peridyn_sde::{
-    BondConfig, Bonds, Breaking, Condition, Dynamics, Horizon, Influence, Loading, Mobility,
-    Network, Nodes, Program, Scheme, Simulation, SimulationConfig, SurfaceCorrection,
-    VolumeCorrection,
-};
-use sde_integrators::Noise;
+use peridyn_sde::{Bonds, Condition, Loading, Network, Nodes, Program, Scheme, Simulation};
+
+use crate::fixtures::{PLATE, bonded, config, in_time, overdamped};
 
 /// `k`, `lambda`, `alpha(0)`.
 const SENSITIVITY: f64 = 800.0;
@@ -36,25 +33,13 @@ fn exposure(stretch: impl Fn(f64) -> f64) -> f64 {
     weighed.sum::<f64>() / f64::from(6 * PANELS) + rate(1.0)
 }
 
-fn config(shells: u32) -> BondConfig {
-    BondConfig {
-        horizon: Horizon::of_shells(shells, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    }
-}
-
 /// 9 x 9 nodes, all of which are moved, against sums pair by pair from the places alone. Between the ends of a step the stretch of
 /// a slanting bond bends by 1e-6 of its strain over the square of the steps.
 #[test]
 fn a_worn_block_has_the_damage_and_the_force_of_its_pairs() {
     const STEPS: u32 = 32;
     const CONTRACTION: f64 = 1.0 / 3.0;
-    let condition = Condition::PlaneStress { thickness: 1.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0; 2], [9.0; 2]), condition, |_| true).unwrap();
-    let bonds = Bonds::new(&nodes, &config(3)).unwrap();
+    let (nodes, bonds) = bonded(9.0, PLATE, 3);
     let (x, stiffness) = (nodes.positions().to_vec(), bonds.all()[0].stiffness);
     let is_upper = |x: &[f64; 2]| x[1] > 5.0;
 
@@ -113,17 +98,8 @@ fn a_worn_bar_pulls_with_what_its_bonds_have_left() {
     let free: Vec<bool> = (0..=last).map(|node| node > 0 && node < last).collect();
     let strengths = vec![1.0; bonds.len()];
     let body = Network::new(nodes.clone(), bonds, law(), strengths).unwrap();
-    let config = SimulationConfig {
-        dynamics: Dynamics::Overdamped {
-            mobility: Mobility::identity(&free, 1.0).unwrap(),
-            temperature: 0.0,
-            scheme: Scheme::EulerMaruyama,
-        },
-        dt: 1.0 / f64::from(STEPS),
-        breaking: Breaking::AtEnds,
-        confinement: 0.0,
-        noise: Noise::new(0),
-    };
+    let dynamics = overdamped(&free, Scheme::EulerMaruyama, 0.0);
+    let config = in_time(dynamics, 1.0 / f64::from(STEPS), 0);
     let program = Program::Ramp { rate: STRAIN, until: 1.0 };
     let loading =
         Loading::new(free.len()).stretch(&nodes, &[0, last], [true], [[1.0]], program).unwrap();

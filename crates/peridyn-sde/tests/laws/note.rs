@@ -1,22 +1,13 @@
 //! The note's bonds to the letter against those that are meant: where they are off, and by how much (`docs/errata.md`).
 
-use peridyn_sde::{
-    BondConfig, Bonds, Condition, Horizon, Influence, Nodes, NoteAsPrinted, SurfaceCorrection,
-    VolumeCorrection,
-};
+use peridyn_sde::{BondConfig, Bonds, Condition, Horizon, Nodes, NoteAsPrinted};
 
 /// The stiffness of every bond as printed is one factor of that of the bond that is meant.
 fn is_off_by<const D: usize>(condition: Condition, spacing: f64, factor: f64) {
     let horizon = Horizon::of_shells(3, spacing).unwrap();
     let nodes = Nodes::lattice(spacing, ([0.0; D], [8.0 * spacing; D]), condition, |_| true);
     let nodes = nodes.unwrap();
-    let config = BondConfig {
-        horizon,
-        young_modulus: 3.0 * (1.0 - 2.0 * condition.poisson_ratio()),
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
-        surface_correction: SurfaceCorrection::None,
-    };
+    let config = BondConfig::uncorrected(horizon, 3.0 * (1.0 - 2.0 * condition.poisson_ratio()));
     let meant = Bonds::new(&nodes, &config).unwrap();
     let note = NoteAsPrinted { bulk_modulus: 1.0, horizon: horizon.radius(), eta: 1.0 };
     let printed = note.bonds(&nodes).unwrap();

@@ -2,21 +2,17 @@
 
 use peridyn_sde::law::{Bilinear, CriticalStretch, Memory};
 use peridyn_sde::{
-    BondConfig, BondList, Bonds, Breakage, Condition, EquilibriumConfig, Error, Horizon,
-    LatticeBody, Loading, Network, NextBreakage, Nodes, Program, QuasiStatic, Strain, envelope,
+    BondList, Bonds, Breakage, Condition, EquilibriumConfig, Error, LatticeBody, Loading, Network,
+    NextBreakage, Nodes, Program, QuasiStatic, Strain, envelope,
 };
+
+use crate::fixtures::{PLATE, bonded};
 
 const CONFIG: EquilibriumConfig = EquilibriumConfig::EVENT_BY_EVENT;
 
-fn config(shells: u32) -> BondConfig {
-    BondConfig::uncorrected(Horizon::of_shells(shells, 1.0).unwrap(), 1.0)
-}
-
 /// A chain of springs, held at its left end and moved at its right one by the load.
 fn chain(n: usize) -> (Nodes<1>, Bonds, Loading<1>) {
-    let bar = Condition::Bar { area: 1.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0], [n as f64]), bar, |_| true).unwrap();
-    let bonds = Bonds::new(&nodes, &config(1)).unwrap();
+    let (nodes, bonds) = bonded(n as f64, Condition::Bar { area: 1.0 }, 1);
     let loading = Loading::new(n).hold(&[0]).unwrap();
     let loading = loading.velocity(&[n - 1], [true], [1.0]).unwrap();
     (nodes, bonds, loading)
@@ -24,10 +20,7 @@ fn chain(n: usize) -> (Nodes<1>, Bonds, Loading<1>) {
 
 /// A plate whose strengths scatter by a fixed hash, pulled at its lower and upper rows.
 fn plate(n: usize) -> (Nodes<2>, Bonds, Vec<f64>, Loading<2>) {
-    let condition = Condition::PlaneStress { thickness: 1.0 };
-    let size = n as f64;
-    let nodes = Nodes::lattice(1.0, ([0.0; 2], [size; 2]), condition, |_| true).unwrap();
-    let bonds = Bonds::new(&nodes, &config(3)).unwrap();
+    let (nodes, bonds) = bonded(n as f64, PLATE, 3);
     let scatter = |bond: usize| ((bond as f64 * 12.9898).sin() * 43758.5453).rem_euclid(1.0);
     let strengths = (0..bonds.len()).map(|bond| 1e-3 * (0.7 + 0.6 * scatter(bond))).collect();
     let edge: Vec<usize> = (0..n * n).filter(|&i| i < 2 * n || i >= n * (n - 2)).collect();

@@ -27,11 +27,9 @@ impl<const D: usize> Case<D> {
         let hole = |x: &[f64; D]| x.iter().map(|x| (x - 5.0).powi(2)).sum::<f64>() > 4.0;
         let nodes = Nodes::lattice(1.0, ([0.0; D], [side; D]), condition, hole).unwrap();
         let config = BondConfig {
-            horizon: Horizon::of_shells(3, 1.0).unwrap(),
-            young_modulus: 1.0,
             influence: Influence::Conical,
             volume_correction: VolumeCorrection::Ramp,
-            surface_correction: SurfaceCorrection::None,
+            ..BondConfig::uncorrected(Horizon::of_shells(3, 1.0).unwrap(), 1.0)
         };
         let bonds = Bonds::new(&nodes, &config).unwrap();
         let solid = SolidBonds::new(&nodes, &config, 0.4).unwrap();
@@ -297,11 +295,8 @@ fn a_small_plate_in_metres_has_its_forces_in_single_precision() {
     let (spacing, condition) = (2e-3, Condition::PlaneStress { thickness: 1e-3 });
     let nodes = Nodes::<2>::lattice(spacing, ([0.0; 2], [0.022; 2]), condition, |_| true).unwrap();
     let config = BondConfig {
-        horizon: Horizon::of_shells(3, spacing).unwrap(),
-        young_modulus: 72e9,
-        influence: Influence::Constant,
         volume_correction: VolumeCorrection::Ramp,
-        surface_correction: SurfaceCorrection::None,
+        ..BondConfig::uncorrected(Horizon::of_shells(3, spacing).unwrap(), 72e9)
     };
     let solid = SolidBonds::new(&nodes, &config, 0.22).unwrap();
     let case = Case { bonds: solid.bonds().clone(), nodes, solid };
@@ -324,11 +319,8 @@ fn strengths_of_another_body_and_bonds_of_one_vector_that_are_not_alike_are_refu
     let list = BondList::<f64, 2, 8>::of_solid(nodes.clone(), solid, Strain::Finite, &[0.1]);
     assert!(matches!(list, Err(Error::Length { .. })));
     let config = BondConfig {
-        horizon: Horizon::of_shells(2, 1.0).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
-        volume_correction: VolumeCorrection::None,
         surface_correction: SurfaceCorrection::Energy,
+        ..BondConfig::uncorrected(Horizon::of_shells(2, 1.0).unwrap(), 1.0)
     };
     let solid = SolidBonds::new(&nodes, &config, 0.2).unwrap();
     let strengths = vec![0.1; solid.bonds().len()];

@@ -8,27 +8,14 @@ use peridyn_sde::{
 };
 use sde_integrators::Noise;
 
-use super::given::{Plate, STRETCH, bond_config};
+use crate::given::{Plate, STRETCH, bond_config, tension};
 
 const CONFIG: EquilibriumConfig = EquilibriumConfig::EVENT_BY_EVENT;
 const N_WINDOWS: u64 = 10;
 
 /// A load factor of one is a mean strain of 0.9 of the critical stretch.
 pub(super) fn loading(plate: &Plate) -> (Loading<2>, Vec<usize>) {
-    let (nodes, _) = plate.body();
-    let rows = |wanted: &dyn Fn(f64) -> bool| -> Vec<usize> {
-        (0..nodes.positions().len()).filter(|&i| wanted(nodes.positions()[i][1])).collect()
-    };
-    let (lower, upper) = (rows(&|y| y < 2.0), rows(&|y| y > 14.0));
-    let program = Program::Linear { rate: 0.9 * STRETCH };
-    let loading = Loading::new(nodes.positions().len()).stretch(
-        nodes,
-        &[lower, upper.clone()].concat(),
-        [true; 2],
-        [[0.0, 0.0], [0.0, 1.0]],
-        program,
-    );
-    (loading.unwrap(), upper)
+    tension(plate.body().0, Program::Linear { rate: 0.9 * STRETCH })
 }
 
 pub(super) fn slow<'a>(

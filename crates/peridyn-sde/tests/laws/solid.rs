@@ -1,25 +1,18 @@
 //! The linear peridynamic solid: forces, energy and moduli.
 
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Horizon,
-    Influence, Loading, Mobility, Nodes, Scheme, Simulation, SimulationConfig, SolidBonds, Strain,
-    SurfaceCorrection, VolumeCorrection,
+    AtStrength, Body, BondConfig, BondList, Bonds, Condition, Influence, Loading, Nodes, Scheme,
+    Simulation, SimulationConfig, SolidBonds, Strain, SurfaceCorrection, VolumeCorrection,
 };
-use sde_integrators::Noise;
+
+use crate::fixtures::{self, cube, in_time, overdamped, rows, shaken};
 
 pub(super) const PLANE_STRESS: Condition = Condition::PlaneStress { thickness: 0.5 };
 const PLANE_STRAIN: Condition = Condition::PlaneStrain { thickness: 0.5 };
 const BAR: Condition = Condition::Bar { area: 2.0 };
 
 pub(super) fn config(shells: u32) -> BondConfig {
-    BondConfig {
-        volume_correction: VolumeCorrection::Partial,
-        ..BondConfig::uncorrected(Horizon::of_shells(shells, 1.0).unwrap(), 1.0)
-    }
-}
-
-pub(super) fn cube<const D: usize>(side: f64, condition: Condition) -> Nodes<D> {
-    Nodes::lattice(1.0, ([0.0; D], [side; D]), condition, |_| true).unwrap()
+    BondConfig { volume_correction: VolumeCorrection::Partial, ..fixtures::config(shells) }
 }
 
 /// One realisation in double precision.
@@ -44,12 +37,6 @@ fn forces<const D: usize>(body: &mut One<D>, u: &[[f64; D]]) -> Vec<[f64; D]> {
     let mut forces = vec![[0.0; D]; u.len()];
     body.forces(u.as_flattened(), forces.as_flattened_mut(), AtStrength::Hold).unwrap();
     forces
-}
-
-/// Small displacements without a pattern.
-fn shaken<const D: usize>(n: usize, size: f64) -> Vec<[f64; D]> {
-    let wave = |node: usize, k: usize| (1.7 * node as f64 + 2.3 * k as f64 + 0.4).sin();
-    (0..n).map(|node| std::array::from_fn(|k| size * wave(node, k))).collect()
 }
 
 fn largest<const D: usize>(forces: &[[f64; D]]) -> f64 {
@@ -251,36 +238,21 @@ fn a_homogeneous_strain_has_the_energy_of_the_elastic_body() {
     has_the_elastic_energy::<3>(Condition::Solid);
 }
 
-/// Equilibrium under forces, by conjugate gradients.
+/// Equilibrium under forces.
 fn at_rest<const D: usize>(
     body: &mut One<D>,
     load: &[[f64; D]],
     is_held: &dyn Fn(usize) -> bool,
 ) -> Vec<[f64; D]> {
-    let b = load.as_flattened();
-    let (mut u, mut r) = (vec![0.0; b.len()], b.to_vec());
-    let (mut p, mut image) = (r.clone(), r.clone());
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut square = dot(&r, &r);
-    let end = 1e-18 * square;
-    while square > end {
-        body.linear_forces(&p, &mut image).unwrap();
-        for (node, image) in image.as_chunks_mut::<D>().0.iter_mut().enumerate() {
+    let forces = |u: &[f64], forces: &mut [f64]| {
+        body.linear_forces(u, forces).unwrap();
+        for (node, force) in forces.as_chunks_mut::<D>().0.iter_mut().enumerate() {
             if is_held(node) {
-                *image = [0.0; D];
+                *force = [0.0; D];
             }
         }
-        let along = -square / dot(&p, &image);
-        for at in 0..b.len() {
-            u[at] += along * p[at];
-            r[at] += along * image[at];
-        }
-        let next = dot(&r, &r);
-        for at in 0..b.len() {
-            p[at] = r[at] + next / square * p[at];
-        }
-        square = next;
-    }
+    };
+    let u = fixtures::at_rest(load.as_flattened(), 1e-18, forces);
     u.as_chunks().0.to_vec()
 }
 
@@ -325,16 +297,11 @@ fn a_bar_contracts_by_poissons_ratio() {
     }
 }
 
-fn numbers(value: &serde_json::Value) -> Vec<[f64; 3]> {
-    let row = |row: &serde_json::Value| std::array::from_fn(|k| row[k].as_f64().unwrap());
-    value.as_array().unwrap().iter().map(row).collect()
-}
-
 #[test]
 fn forces_are_those_of_lammps() {
     let text = include_str!("../data/lammps_lps_forces_60.json");
     let data: serde_json::Value = serde_json::from_str(text).unwrap();
-    let [x0, x, theirs, exact] = ["x0", "x", "f", "exact"].map(|name| numbers(&data[name]));
+    let [x0, x, theirs, exact] = ["x0", "x", "f", "exact"].map(|name| rows(&data[name]));
     let volumes: Vec<f64> =
         data["volumes"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
     let u: Vec<[f64; 3]> =
@@ -377,17 +344,7 @@ fn the_stationary_covariance_is_kt_over_the_stiffness() {
     };
     let exact = pairs
         .map(|(a, b)| TEMPERATURE * dot(&weights(a), &at_rest(&mut body, &weights(b), &is_held)));
-    let config = SimulationConfig {
-        dynamics: Dynamics::Overdamped {
-            mobility: Mobility::identity(&free, 1.0).unwrap(),
-            temperature: TEMPERATURE,
-            scheme: Scheme::LeimkuhlerMatthews,
-        },
-        dt: 1.0,
-        breaking: Breaking::AtEnds,
-        confinement: 0.0,
-        noise: Noise::new(8),
-    };
+    let config = in_time(overdamped(&free, Scheme::LeimkuhlerMatthews, TEMPERATURE), 1.0, 8);
     let loading = || Loading::new(16).hold(&held).unwrap();
     let small = SimulationConfig { dt: 1e-6, ..config.clone() };
     let z = Simulation::new(body.clone(), loading(), small, [0]).unwrap().relative_step();

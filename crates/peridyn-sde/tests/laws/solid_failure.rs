@@ -1,13 +1,13 @@
 //! Failure of the linear peridynamic solid: the work of a crack, bonds that break over time, and what is refused.
 
 use peridyn_sde::{
-    AtStrength, Body, BondConfig, BondList, Breaking, Cause, Condition, Dynamics, Error, Horizon,
-    Influence, Loading, Mobility, Nodes, Scheme, Simulation, SimulationConfig, SolidBonds, Strain,
-    VolumeCorrection, critical_stretch, critical_stretch_of_solid,
+    AtStrength, Body, BondConfig, BondList, Breaking, Cause, Condition, Error, Horizon, Influence,
+    Loading, Nodes, Scheme, Simulation, SimulationConfig, SolidBonds, Strain, VolumeCorrection,
+    critical_stretch, critical_stretch_of_solid,
 };
-use sde_integrators::Noise;
 
-use super::solid::{PLANE_STRESS, config, cube, one};
+use crate::fixtures::{cube, in_time, overdamped};
+use crate::solid::{PLANE_STRESS, config, one};
 
 const PLANE_STRAIN: Condition = Condition::PlaneStrain { thickness: 0.5 };
 
@@ -105,14 +105,8 @@ fn in_noise(scheme: Scheme, breaking: Breaking) -> Result<Simulation<f64, 2, 1>,
     let held: Vec<usize> = (0..49).filter(|node| node % 7 == 0).collect();
     let free: Vec<bool> = (0..49).map(|node| node % 7 != 0).collect();
     let body = one(&nodes, &solid, Strain::Finite, 0.12);
-    let mobility = Mobility::identity(&free, 1.0)?;
-    let config = SimulationConfig {
-        dynamics: Dynamics::Overdamped { mobility, temperature: 1e-3, scheme },
-        dt: 0.1,
-        breaking,
-        confinement: 0.0,
-        noise: Noise::new(4),
-    };
+    let dynamics = overdamped(&free, scheme, 1e-3);
+    let config = SimulationConfig { breaking, ..in_time(dynamics, 0.1, 4) };
     Simulation::new(body, Loading::new(49).hold(&held)?, config, [0])
 }
 

@@ -2,12 +2,13 @@
 
 use peridyn_sde::law::CriticalStretch;
 use peridyn_sde::{
-    BondConfig, Bonds, Condition, Horizon, Influence, Network, Nodes, SurfaceCorrection,
-    VolumeCorrection,
+    BondConfig, Bonds, Condition, Horizon, Network, Nodes, SurfaceCorrection, VolumeCorrection,
 };
 
-/// Displacements of a free body under loads that balance, bonds linearised: conjugate gradients to a residual of 1e-13, started
-/// at rest. Its rigid motions are taken out by the caller.
+use crate::fixtures::at_rest;
+
+/// Displacements of a free body under loads that balance, bonds linearised, to a residual of 1e-13. Its rigid motions are taken out
+/// by the caller.
 fn displacements<const D: usize>(
     nodes: &Nodes<D>,
     bonds: &Bonds,
@@ -15,47 +16,20 @@ fn displacements<const D: usize>(
 ) -> Vec<[f64; D]> {
     let x = nodes.positions();
     let pairs: Vec<(usize, usize)> = bonds.pairs().collect();
-    let stiffness = |u: &[[f64; D]]| {
-        let mut forces = vec![[0.0; D]; u.len()];
+    let forces = |u: &[f64], forces: &mut [f64]| {
+        let (u, forces) = (u.as_chunks::<D>().0, forces.as_chunks_mut::<D>().0);
+        forces.fill([0.0; D]);
         for (&(i, j), bond) in pairs.iter().zip(bonds.all()) {
             let n: [f64; D] = std::array::from_fn(|k| (x[j][k] - x[i][k]) / bond.length);
             let along: f64 = (0..D).map(|k| n[k] * (u[j][k] - u[i][k])).sum();
             for k in 0..D {
                 let tension = bond.stiffness / bond.length * along * n[k];
-                forces[i][k] -= tension;
-                forces[j][k] += tension;
+                forces[i][k] += tension;
+                forces[j][k] -= tension;
             }
         }
-        forces
     };
-    let dot = |a: &[[f64; D]], b: &[[f64; D]]| -> f64 {
-        a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| a * b).sum()
-    };
-    let mut u = vec![[0.0; D]; loads.len()];
-    let (mut residual, mut search) = (loads.to_vec(), loads.to_vec());
-    let mut square = dot(&residual, &residual);
-    let target = 1e-26 * square;
-    for _ in 0..20_000 {
-        if square < target {
-            return u;
-        }
-        let image = stiffness(&search);
-        let step = square / dot(&search, &image);
-        for i in 0..u.len() {
-            for k in 0..D {
-                u[i][k] += step * search[i][k];
-                residual[i][k] -= step * image[i][k];
-            }
-        }
-        let next = dot(&residual, &residual);
-        for i in 0..u.len() {
-            for k in 0..D {
-                search[i][k] = residual[i][k] + next / square * search[i][k];
-            }
-        }
-        square = next;
-    }
-    panic!("no convergence: {square:e} of {target:e}");
+    at_rest(loads.as_flattened(), 1e-26, forces).as_chunks().0.to_vec()
 }
 
 fn reference(text: &str) -> serde_json::Value {
@@ -67,11 +41,9 @@ fn bar(beyond: f64, correction: SurfaceCorrection) -> Vec<f64> {
     let nodes =
         Nodes::lattice(0.01, ([0.0], [1.0]), Condition::Bar { area: 1.0 }, |_| true).unwrap();
     let config = BondConfig {
-        horizon: Horizon::new((3.0 + beyond) * 0.01, 0.01).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
         volume_correction: VolumeCorrection::Partial,
         surface_correction: correction,
+        ..BondConfig::uncorrected(Horizon::new((3.0 + beyond) * 0.01, 0.01).unwrap(), 1.0)
     };
     let bonds = Bonds::new(&nodes, &config).unwrap();
     let mut loads = vec![[0.0]; 100];
@@ -146,11 +118,9 @@ fn plate(rows: usize, config: BondConfig, loaded: usize) -> Plate {
 
 fn plate_config(rows: usize, volume: VolumeCorrection, surface: SurfaceCorrection) -> BondConfig {
     BondConfig {
-        horizon: Horizon::of_shells(3, 1.0 / rows as f64).unwrap(),
-        young_modulus: 1.0,
-        influence: Influence::Constant,
         volume_correction: volume,
         surface_correction: surface,
+        ..BondConfig::uncorrected(Horizon::of_shells(3, 1.0 / rows as f64).unwrap(), 1.0)
     }
 }
 

@@ -1,19 +1,16 @@
 //! Steps that are stable at rest and too long for a body that is stretched.
 
 use peridyn_sde::{
-    BondConfig, BondList, Bonds, Breaking, Condition, Dynamics, Error, Horizon, Loading, Mobility,
-    Nodes, Program, Real, Scheme, Simulation, SimulationConfig, Strain,
+    BondList, Bonds, Dynamics, Error, Loading, Nodes, Program, Real, Scheme, Simulation, Strain,
 };
-use sde_integrators::Noise;
+
+use crate::fixtures::{PLATE, bonded, in_time, overdamped};
 
 const SIDE: usize = 9;
 const STRENGTH: f64 = 1e6;
 
 fn plate() -> (Nodes<2>, Bonds, Vec<bool>) {
-    let plane = Condition::PlaneStress { thickness: 1.0 };
-    let nodes = Nodes::lattice(1.0, ([0.0; 2], [SIDE as f64; 2]), plane, |_| true).unwrap();
-    let config = BondConfig::uncorrected(Horizon::of_shells(2, 1.0).unwrap(), 1.0);
-    let bonds = Bonds::new(&nodes, &config).unwrap();
+    let (nodes, bonds) = bonded(SIDE as f64, PLATE, 2);
     let inside = |x: &[f64; 2]| x.iter().all(|&c| c > 2.0 && c < SIDE as f64 - 2.0);
     let free = nodes.positions().iter().map(inside).collect();
     (nodes, bonds, free)
@@ -21,11 +18,7 @@ fn plate() -> (Nodes<2>, Bonds, Vec<bool>) {
 
 fn dynamics(free: &[bool], scheme: Option<Scheme>) -> Dynamics {
     match scheme {
-        Some(scheme) => Dynamics::Overdamped {
-            mobility: Mobility::identity(free, 1.0).unwrap(),
-            temperature: 1e-16,
-            scheme,
-        },
+        Some(scheme) => overdamped(free, scheme, 1e-16),
         None => Dynamics::Inertial { density: 1.0, friction: 0.1, temperature: 1e-16 },
     }
 }
@@ -46,13 +39,7 @@ fn follow<T: Real, const L: usize>(
         let loading = Loading::new(free.len()).stretch(&nodes, &held, [true; 2], one, ramp)?;
         let body =
             BondList::<T, 2, L>::new(nodes.clone(), bonds.clone(), Strain::Finite, &strengths)?;
-        let config = SimulationConfig {
-            dynamics: dynamics(&free, scheme),
-            dt,
-            breaking: Breaking::AtEnds,
-            confinement: 0.0,
-            noise: Noise::new(1),
-        };
+        let config = in_time(dynamics(&free, scheme), dt, 1);
         Simulation::new(body, loading, config, std::array::from_fn(|lane| lane as u64))
     };
     let small = make(1e-6)?.relative_step();

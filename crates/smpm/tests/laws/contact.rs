@@ -1,21 +1,10 @@
 //! Frictional contact: bodies separate, slide and stick.
 
-use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::{
-    Body, Boundary, BoundaryKind, BulkViscosity, Config, Contact, Error, Fill, ParameterError,
-    Shape, Side, Simulation,
+    Body, Boundary, BoundaryKind, Config, Contact, Error, Fill, ParameterError, Shape, Simulation,
 };
 
-const NO_VISCOSITY: BulkViscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };
-
-fn elastic(density: f64, young_modulus: f64, poisson_ratio: f64) -> LinearElasticSolid<f64> {
-    LinearElasticSolid::linear_elastic(LinearElasticParameters {
-        density,
-        young_modulus,
-        poisson_ratio,
-    })
-    .unwrap()
-}
+use crate::fixtures::{NO_VISCOSITY, block, elastic, wall};
 
 /// Two disks of Sulsky, Chen and Schreyer 1994: radius 0.2, centres (0.2, 0.2) and (0.8, 0.8), velocities 0.1 and -0.1 along
 /// both axes, E = 1000, nu = 0.3, rho = 1000; they touch at 1.58579.
@@ -67,11 +56,9 @@ const DURATION: f64 = 0.2;
 
 /// A block on a slab, both inclined by [`ANGLE`].
 fn incline(shape: Shape, coefficient: f64) -> Simulation<f64, 2> {
-    let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true).unwrap();
-    let slab = Body::new(elastic(1.0, 1e4, 0.0), &fill([0.0, 0.0], [4.0, 0.5]), [0.0; 2]).unwrap();
-    let block = Body::new(elastic(1.0, 1e4, 0.0), &fill([1.0, 0.5], [2.0, 1.0]), [0.0; 2]).unwrap();
-    let ground =
-        Boundary { axis: 1, position: 0.0, side: Side::Above, kind: BoundaryKind::Clamped };
+    let body = |low, high| Body::new(elastic(1.0, 1e4, 0.0), &block(low, high), [0.0; 2]).unwrap();
+    let bodies = vec![body([0.0, 0.0], [4.0, 0.5]), body([1.0, 0.5], [2.0, 1.0])];
+    let ground = Boundary { axis: 1, ..wall(BoundaryKind::Clamped) };
     let config = Config {
         shape,
         contact: Contact::Friction { coefficient },
@@ -83,7 +70,7 @@ fn incline(shape: Shape, coefficient: f64) -> Simulation<f64, 2> {
         most_energy_growth: f64::MAX,
         ..Config::with_cell(0.1)
     };
-    Simulation::new(config, vec![slab, block]).unwrap()
+    Simulation::new(config, bodies).unwrap()
 }
 
 /// Velocity and place of the block along the slab: means over its particles.
@@ -142,11 +129,7 @@ fn a_block_at_rest_below_the_angle_of_friction_stays() {
 fn a_coefficient_below_zero_is_refused() {
     let refused =
         Config::<2> { contact: Contact::Friction { coefficient: -0.1 }, ..Config::with_cell(0.1) };
-    let body = Body::new(
-        elastic(1.0, 1.0, 0.0),
-        &Fill::of([0.1; 2], ([0.0; 2], [1.0; 2]), |_| true).unwrap(),
-        [0.0; 2],
-    );
+    let body = Body::new(elastic(1.0, 1.0, 0.0), &block([0.0; 2], [1.0; 2]), [0.0; 2]);
     let error = Simulation::new(refused, vec![body.unwrap()]).unwrap_err();
     let is_refused = matches!(
         error,

@@ -6,9 +6,11 @@ use perturbation_moments::{Estimate, MonteCarlo};
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
 use smpm::uncertainty::{Coefficients, Design, Experiment, Study};
 use smpm::{
-    Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fill, Gauge, Number, Place, Plan,
-    Quantity, Side, Simulation, Window,
+    Body, BoundaryKind, Config, Error, Fill, Gauge, Number, Place, Plan, Quantity, Simulation,
+    Window,
 };
+
+use crate::fixtures::{NO_VISCOSITY, wall};
 
 /// A bar that runs into a wall, whose Young's modulus is lognormal: `ln E` has the modes `cos(k pi x/L)/k`.
 struct Bar;
@@ -31,11 +33,12 @@ impl Experiment<1> for Bar {
             })?)
         };
         let fill = Fill::of([0.05], ([0.0], [4.0]), |_| true)?;
-        let wall =
-            Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
         // The bulk viscosity acts in compression alone: a kink that derivatives do not see.
-        let viscosity = BulkViscosity { quadratic: 0.0, linear: 0.0 };
-        let config = Config { viscosity, boundaries: vec![wall], ..Config::with_cell(0.1) };
+        let config = Config {
+            viscosity: NO_VISCOSITY,
+            boundaries: vec![wall(BoundaryKind::Symmetry)],
+            ..Config::with_cell(0.1)
+        };
         Simulation::new(config, vec![Body::varying(material, &fill, [-0.001])?])
     }
 }

@@ -10,9 +10,11 @@ use smpm::material::{
 };
 use smpm::uncertainty::{Experiment, FrozenForm, Keep, SavedRun, Study, exactly};
 use smpm::{
-    Body, Boundary, BoundaryKind, Config, Error, Fill, Gauge, Number, Place, Plan, Quantity, Side,
-    Simulation, Window,
+    Body, BoundaryKind, Config, Error, Fill, Gauge, Number, Place, Plan, Quantity, Simulation,
+    Window,
 };
+
+use crate::fixtures::wall;
 
 /// Keeps in memory; all is over when it has kept so often.
 #[derive(Debug)]
@@ -79,9 +81,8 @@ impl Experiment<1> for Yielding {
         let strength = JohnsonCookParameters { a, b, n, c, m, ..strength };
         let steel =
             Solid { equation: MieGruneisen::new(equation)?, strength: JohnsonCook::new(strength)? };
-        let wall =
-            Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
-        let config = Config { boundaries: vec![wall], ..Config::with_cell(0.1) };
+        let config =
+            Config { boundaries: vec![wall(BoundaryKind::Symmetry)], ..Config::with_cell(0.1) };
         let fill = Fill::of([0.05], ([0.0], [3.0]), |_| true)?;
         Simulation::new(config, vec![Body::new(steel, &fill, [-0.05])?])
     }

@@ -9,6 +9,7 @@ mod custom_field_experiment;
 mod custom_keep;
 mod custom_material;
 mod derivatives;
+mod fixtures;
 mod invariants;
 mod plate_impact;
 mod restart;

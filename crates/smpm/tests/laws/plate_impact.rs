@@ -7,6 +7,8 @@ use smpm::{
     Body, Boundary, BoundaryKind, BulkViscosity, Config, Fill, Number, Side, Simulation, Transfer,
 };
 
+use crate::fixtures::wall;
+
 /// Mean and standard deviation of the pressure, over its exact value, between the wall and the front.
 struct Plateau<S> {
     pressure: S,
@@ -14,20 +16,28 @@ struct Plateau<S> {
 }
 
 /// Centimetres, grams, microseconds. The plate stops at the wall: the particle velocity of the shock is its speed.
-fn plateau<S: Number>(speed: f64, slope: S, change: impl FnOnce(&mut Config<1>)) -> Plateau<S> {
+fn plateau<S: Number>(
+    speed: f64,
+    slope: S,
+    wall: Boundary,
+    change: impl FnOnce(&mut Config<1>),
+) -> Plateau<S> {
     let parameters = steel_equation(Units::CM_G_US)
         .map(|name, value| if name == "s1" { slope } else { S::constant(value) });
     let steel = Solid { equation: MieGruneisen::new(parameters).unwrap(), strength: Fluid };
-    let wall = Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
+    let (inward, ends) = match wall.side {
+        Side::Above => (1.0, ([0.0], [8.0])),
+        Side::Below => (-1.0, ([-8.0], [0.0])),
+    };
     let mut config = Config { boundaries: vec![wall], ..Config::with_cell(0.1) };
     change(&mut config);
-    let fill = Fill::of([0.5 * config.cell], ([0.0], [8.0]), |_| true).unwrap();
-    let body = Body::new(steel, &fill, [-speed]).unwrap();
+    let fill = Fill::of([0.5 * config.cell], ends, |_| true).unwrap();
+    let body = Body::new(steel, &fill, [-inward * speed]).unwrap();
     let mut simulation = Simulation::new(config, vec![body]).unwrap();
     simulation.advance_to(8.0).unwrap();
     let body = &simulation.bodies()[0];
     let window: Vec<S> = (0..body.n_particles())
-        .filter(|&p| (0.5..2.5).contains(&body.positions()[p][0].value()))
+        .filter(|&p| (0.5..2.5).contains(&(inward * body.positions()[p][0].value())))
         .map(|p| body.pressure(p))
         .collect();
     let n = window.len() as f64;
@@ -50,19 +60,24 @@ fn viscosity(linear: f64) -> BulkViscosity {
 
 #[test]
 fn the_shock_state_is_that_of_the_hugoniot() {
-    for transfer in [Transfer::Flip, Transfer::Apic] {
+    let below = |wall: Boundary| Boundary { side: Side::Below, ..wall };
+    let (symmetry, rigid) = (wall(BoundaryKind::Symmetry), wall(BoundaryKind::Rigid));
+    // Behind a rigid wall an oscillation of 4.2 % is seen.
+    for (wall, transfer, most) in [
+        (symmetry, Transfer::Flip, 0.04),
+        (symmetry, Transfer::Apic, 0.04),
+        (rigid, Transfer::Flip, 0.05),
+        (below(rigid), Transfer::Flip, 0.05),
+    ] {
         for speed in SPEEDS {
-            let seen = plateau(speed, steel_equation(Units::CM_G_US).s1, |config| {
+            let seen = plateau(speed, steel_equation(Units::CM_G_US).s1, wall, |config| {
                 (config.transfer, config.viscosity) = (transfer, viscosity(0.3));
             });
+            let what = format!("{wall:?}, {transfer:?} at {speed}");
             let error = seen.pressure / hugoniot(speed) - 1.0;
             // The mean over two centimetres of an oscillation of 3 %; seen within 0.42 %.
-            assert!(error.abs() < 5e-3, "{transfer:?} at {speed}: {error}");
-            assert!(
-                seen.ripple < 0.04,
-                "{transfer:?} at {speed}: post-shock oscillation {}",
-                seen.ripple
-            );
+            assert!(error.abs() < 5e-3, "{what}: {error}");
+            assert!(seen.ripple < most, "{what}: post-shock oscillation {}", seen.ripple);
         }
     }
 }
@@ -72,7 +87,8 @@ fn the_shock_state_is_that_of_the_hugoniot() {
 fn the_carried_derivative_is_that_of_the_hugoniot() {
     let steel = steel_equation(Units::CM_G_US);
     for speed in SPEEDS {
-        let seen = plateau(speed, Jet::variable(steel.s1, 0), |config| {
+        let wall = wall(BoundaryKind::Symmetry);
+        let seen = plateau(speed, Jet::variable(steel.s1, 0), wall, |config| {
             (config.transfer, config.viscosity) = (Transfer::Apic, viscosity(1.0));
         });
         let error = seen.pressure.first[0] / (steel.density * speed * speed) - 1.0;

@@ -2,9 +2,9 @@
 
 use perturbation_moments::Jet;
 use smpm::material::{
-    Detonation, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, LinearElasticParameters,
-    LinearElasticSolid, Material, MieGruneisen, Model, NeoHookean, NeoHookeanParameters, Now,
-    Observed, Solid, TensionCutOff, Units, VonMises, VonMisesParameters, library,
+    Detonation, Fluid, JohnsonCook, JohnsonCookDamage, Jwl, Material, MieGruneisen, Model,
+    NeoHookean, NeoHookeanParameters, Now, Observed, Solid, TensionCutOff, Units, VonMises,
+    VonMisesParameters, library,
 };
 use smpm::tensor::Symmetric;
 use smpm::{
@@ -12,11 +12,12 @@ use smpm::{
     Shape, Simulation, Transfer, Window,
 };
 
+use crate::fixtures::{bits, block, elastic, goes_on_to_the_bit, steps};
+
 const UNITS: Units = Units::CM_G_US;
 
 /// Explosive between steel and water; `scale` is that of the yield stress.
 fn explosion<S: Number>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simulation<S, 2> {
-    let fill = |low: [f64; 2], high: [f64; 2]| Fill::of([0.05; 2], (low, high), |_| true).unwrap();
     let of = |_: &'static str, value| S::constant(value);
     let burn = Detonation { point: [0.5, 0.5, 0.0], cells: 2.0 };
     let tnt =
@@ -33,9 +34,9 @@ fn explosion<S: Number>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simula
         Solid { equation: TensionCutOff::new(water, S::constant(0.0)).unwrap(), strength: Fluid };
     let still = [0.0; 2];
     let bodies = vec![
-        Body::new(tnt, &fill([0.0, 0.0], [1.0, 1.0]), still).unwrap(),
-        Body::new(steel, &fill([1.0, 0.0], [1.4, 1.0]), still).unwrap(),
-        Body::new(water, &fill([0.0, 1.0], [1.0, 1.5]), still).unwrap(),
+        Body::new(tnt, &block([0.0, 0.0], [1.0, 1.0]), still).unwrap(),
+        Body::new(steel, &block([1.0, 0.0], [1.4, 1.0]), still).unwrap(),
+        Body::new(water, &block([0.0, 1.0], [1.0, 1.5]), still).unwrap(),
     ];
     let viscosity = BulkViscosity { quadratic: 1.5, linear: 0.3 };
     let mut config = Config { viscosity, ..Config::with_cell(0.1) };
@@ -43,71 +44,20 @@ fn explosion<S: Number>(scale: S, change: impl FnOnce(&mut Config<2>)) -> Simula
     Simulation::new(config, bodies).unwrap()
 }
 
-/// All numbers of all particles, in bits.
-fn bits<S: Number>(simulation: &Simulation<S, 2>) -> Vec<u64> {
-    let mut bits = vec![simulation.time().to_bits(), simulation.longest_step().to_bits()];
-    for body in simulation.bodies() {
-        for p in 0..body.n_particles() {
-            let observed = body.observe(p);
-            let (x, v, stress) = (body.position(p), body.velocity(p), body.stress(p).0);
-            let numbers = x.into_iter().chain(v).chain(stress).chain([
-                body.volume_ratio(p),
-                observed.energy,
-                observed.plastic_strain,
-                observed.temperature,
-                observed.damage,
-                observed.overshoot,
-            ]);
-            for number in numbers {
-                bits.extend((0..S::PARTS).map(|part| number.part(part).to_bits()));
-            }
-        }
-    }
-    bits
-}
-
-fn steps<S: Number>(simulation: &mut Simulation<S, 2>, n: usize) {
-    for _ in 0..n {
-        let _ = simulation.step().unwrap();
-    }
-}
-
-/// A run of 40 steps in one go, and one that stops after 25 and goes on elsewhere, on each number of threads.
-fn goes_on_to_the_bit<S: Number>(scale: S, change: impl Fn(&mut Config<2>) + Sync) {
-    let run = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let mut whole = explosion(scale, &change);
-            steps(&mut whole, 25);
-            let mut snapshot = vec![];
-            whole.snapshot(&mut snapshot).unwrap();
-            steps(&mut whole, 15);
-            let mut other = explosion(scale, &change);
-            other.restore(snapshot.as_slice()).unwrap();
-            assert_eq!(other.n_steps(), 25);
-            steps(&mut other, 15);
-            let bits = bits(&whole);
-            assert!(bits == crate::restart::bits(&other), "{threads} threads");
-            bits
-        })
-    };
-    let one = run(1);
-    assert!(run(2) == one && run(8) == one);
-}
-
 #[test]
 fn a_run_goes_on_from_a_snapshot_to_the_bit_on_any_number_of_threads() {
-    goes_on_to_the_bit(1.0, |_| ());
-    goes_on_to_the_bit(1.0, |config| config.transfer = Transfer::Apic);
-    goes_on_to_the_bit(1.0, |config| {
+    let cubic = |config: &mut Config<2>| {
         config.shape = Shape::CubicBSpline;
         config.contact = Contact::Friction { coefficient: 0.2 };
-    });
+    };
+    goes_on_to_the_bit(|| explosion(1.0, |_| ()), [25, 40]);
+    goes_on_to_the_bit(|| explosion(1.0, |config| config.transfer = Transfer::Apic), [25, 40]);
+    goes_on_to_the_bit(|| explosion(1.0, cubic), [25, 40]);
 }
 
 #[test]
 fn so_does_a_run_with_jets() {
-    goes_on_to_the_bit(Jet::variable(1.0, 2), |_| ());
+    goes_on_to_the_bit(|| explosion(Jet::variable(1.0, 2), |_| ()), [25, 40]);
 }
 
 #[test]
@@ -147,8 +97,7 @@ fn a_snapshot_of_another_simulation_is_refused_and_changes_nothing() {
 
 /// A strip that stretches and shears, of any material.
 fn strip(material: impl Into<Model<f64>>) -> Simulation<f64, 2> {
-    let fill = Fill::of([0.05; 2], ([0.0; 2], [1.0, 0.3]), |_| true).unwrap();
-    let mut body = Body::new(material, &fill, [0.0; 2]).unwrap();
+    let mut body = Body::new(material, &block([0.0; 2], [1.0, 0.3]), [0.0; 2]).unwrap();
     body.set_velocities(|x| [0.02 * x[0], 0.01 * x[0] * x[0]]).unwrap();
     Simulation::new(Config::with_cell(0.1), vec![body]).unwrap()
 }
@@ -159,23 +108,15 @@ fn the_other_materials_have_snapshots_too() {
     let rubber = NeoHookeanParameters { density: 1.0, bulk_modulus: 0.02, shear_modulus: 0.01 };
     let metal =
         VonMisesParameters { shear_modulus: 0.8, yield_stress: 0.005, hardening_modulus: 0.01 };
-    let elastic = LinearElasticParameters { density: 8.0, young_modulus: 2.0, poisson_ratio: 0.3 };
     let johnson_cook = || JohnsonCook::new(library::steel_strength(UNITS)).unwrap();
-    let makes: [&dyn Fn() -> Simulation<f64, 2>; 4] = [
+    let makes: [&(dyn Fn() -> Simulation<f64, 2> + Sync); 4] = [
         &|| strip(NeoHookean::new(rubber).unwrap()),
         &|| strip(Solid { equation: equation(), strength: VonMises::new(metal).unwrap() }),
-        &|| strip(LinearElasticSolid::linear_elastic(elastic).unwrap()),
+        &|| strip(elastic(8.0, 2.0, 0.3)),
         &|| strip(Solid { equation: equation(), strength: johnson_cook() }),
     ];
     for make in makes {
-        let (mut whole, mut other) = (make(), make());
-        steps(&mut whole, 20);
-        let mut snapshot = vec![];
-        whole.snapshot(&mut snapshot).unwrap();
-        other.restore(snapshot.as_slice()).unwrap();
-        steps(&mut whole, 10);
-        steps(&mut other, 10);
-        assert!(bits(&whole) == bits(&other));
+        goes_on_to_the_bit(make, [20, 30]);
     }
 }
 

@@ -7,10 +7,12 @@ use smpm::material::library::steel_equation;
 use smpm::material::{Fluid, MieGruneisen, MieGruneisenParameters, Solid, Units};
 use smpm::uncertainty::{Design, Experiment, FrozenForm, Study, exactly, exceedance_of_normal};
 use smpm::{
-    Body, Boundary, BoundaryKind, BulkViscosity, Config, Error, Fill, Gauge, Number, Place, Plan,
-    Quantity, Shape, Side, Simulation, Transfer, Window,
+    Body, BoundaryKind, BulkViscosity, Config, Error, Fill, Gauge, Number, Place, Plan, Quantity,
+    Shape, Simulation, Transfer, Window,
 };
 use uq_estimators::{Sampling, UnitCube};
+
+use crate::fixtures::wall;
 
 /// A plate that runs into a rigid wall at a speed; `C`, `S_1` and `gamma_0` of its steel are random. Centimetres, grams,
 /// microseconds.
@@ -25,10 +27,8 @@ impl Experiment<1> for PlateImpact {
         let certain = steel_equation(Units::CM_G_US).map(|_, value| S::constant(value));
         let parameters = MieGruneisenParameters { sound_speed, s1, gruneisen, ..certain };
         let steel = Solid { equation: MieGruneisen::new(parameters)?, strength: Fluid };
-        let wall =
-            Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Symmetry };
         let config = Config {
-            boundaries: vec![wall],
+            boundaries: vec![wall(BoundaryKind::Symmetry)],
             transfer: Transfer::Apic,
             // With quadratic ones the derivative in the wake has a pattern of +-10 % that stays with the material.
             shape: Shape::CubicBSpline,

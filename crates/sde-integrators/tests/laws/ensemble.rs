@@ -2,12 +2,10 @@
 
 use sde_integrators::{
     Additive, Ensemble, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, Noise, Observable,
-    Sde, SemiImplicitEuler, StateSpace, StrangOscillator, Uncertainty, simulate,
+    Sde, SemiImplicitEuler, StrangOscillator, Uncertainty, simulate,
 };
 
-use crate::methods::Linear;
-
-const OSCILLATOR: StateSpace<Linear> = StateSpace(Linear::oscillator(2.0, 0.3, 0.9));
+use crate::methods::OSCILLATOR;
 
 fn law() -> GaussianMixture<2> {
     GaussianMixture::independent([0.5, 0.0], [0.2, 0.3]).expect("a law")
@@ -17,14 +15,14 @@ fn config(n_paths: u64, dt: f64, times: &[f64]) -> EnsembleConfig {
     EnsembleConfig { seed: 42, n_paths, dt, times: times.to_vec() }
 }
 
+const OBSERVABLES: [Observable<'_, 2>; 3] = [
+    Observable::Mean(&|_, x| x[0]),
+    Observable::Mean(&|_, x| x[0] * x[0]),
+    Observable::Probability(&|_, x| x[0].abs() > 0.8),
+];
+
 fn run(config: &EnsembleConfig) -> Result<Ensemble, Error> {
-    let exceeds = |_t: f64, x: &[f64; 2]| x[0].abs() > 0.8;
-    let observables = [
-        Observable::Mean(&|_t, x| x[0]),
-        Observable::Mean(&|_t, x| x[0] * x[0]),
-        Observable::Probability(&exceeds),
-    ];
-    simulate(&OSCILLATOR, &SemiImplicitEuler, &law(), config, &observables)
+    simulate(&OSCILLATOR, &SemiImplicitEuler, &law(), config, &OBSERVABLES)
 }
 
 fn bits(ensemble: &Ensemble) -> Vec<u64> {
@@ -92,14 +90,8 @@ fn estimates_lie_within_their_standard_errors() {
         GaussianMixture::independent([0.0, 0.0], [q_squared.sqrt(), v_squared.sqrt()]).unwrap();
     // erfc(0.8/sqrt(2 0.3375)) = 0.168493
     let exact = [0.0, q_squared, 0.168_493_467_8];
-    let exceeds = |_t: f64, x: &[f64; 2]| x[0].abs() > 0.8;
-    let observables = [
-        Observable::Mean(&|_t, x| x[0]),
-        Observable::Mean(&|_t, x| x[0] * x[0]),
-        Observable::Probability(&exceeds),
-    ];
     let config = config(50_000, 0.7, &[0.0, 1.0, 10.0]);
-    let ensemble = simulate(&OSCILLATOR, &StrangOscillator, &law, &config, &observables).unwrap();
+    let ensemble = simulate(&OSCILLATOR, &StrangOscillator, &law, &config, &OBSERVABLES).unwrap();
     for (t, estimates) in ensemble.times.iter().zip(&ensemble.estimates) {
         for (estimate, exact) in estimates.iter().zip(exact) {
             let z = (estimate.value - exact) / estimate.standard_error().unwrap();
@@ -150,18 +142,21 @@ fn an_event_that_never_happens_has_a_bound_and_no_standard_error() {
     assert_eq!(ensemble.estimates[0][0].uncertainty, Uncertainty::Bound(3.0 / 600.0));
 }
 
-/// `dX = -X^3 dt + 8 dB`: at `h = 0.1` every path explodes within 20 units of time.
-struct Cubic;
+/// `dX = -X^3 dt + s dB`, of which Euler's method with `h = 0.1` loses within 20 units of time some paths at `s = 4` and every one
+/// at `s = 8`.
+pub(crate) struct Cubic {
+    pub(crate) intensity: f64,
+}
 
 impl Sde<1, 1> for Cubic {
     type Noise = Additive;
 
-    fn drift(&self, _t: f64, x: &[f64; 1]) -> [f64; 1] {
-        [-x[0].powi(3)]
+    fn drift(&self, _: f64, &[x]: &[f64; 1]) -> [f64; 1] {
+        [-x * x * x]
     }
 
-    fn noise(&self, _t: f64, _x: &[f64; 1]) -> [[f64; 1]; 1] {
-        [[8.0]]
+    fn noise(&self, _: f64, _: &[f64; 1]) -> [[f64; 1]; 1] {
+        [[self.intensity]]
     }
 }
 
@@ -170,7 +165,8 @@ fn a_path_that_explodes_is_an_error_that_names_the_lowest_one() {
     let config = config(50_000, 0.1, &[20.0]);
     let observe = || {
         let observables = [Observable::Mean(&|_t, x: &[f64; 1]| x[0])];
-        simulate(&Cubic, &EulerMaruyama, &[0.0], &config, &observables).unwrap_err()
+        simulate(&Cubic { intensity: 8.0 }, &EulerMaruyama, &[0.0], &config, &observables)
+            .unwrap_err()
     };
     let error = observe();
     let Error::NonFiniteState { realisation: 0, steps, t, component: 0, value } = error else {

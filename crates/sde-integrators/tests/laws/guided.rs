@@ -6,9 +6,8 @@ use sde_integrators::{
     maxima, simulate,
 };
 
-use crate::methods::Linear;
+use crate::methods::{Linear, OSCILLATOR};
 
-const OSCILLATOR: StateSpace<Linear> = StateSpace(Linear::oscillator(2.0, 0.3, 0.9));
 /// Of the stationary distribution: `0.81/0.6` of the velocity, over `2^2` of the displacement.
 const DEVIATIONS: [f64; 2] = [0.580_947_501_931_1, 1.161_895_003_862_2];
 const N_STEPS: usize = 10;
@@ -70,14 +69,15 @@ fn paths(
     passages: Option<Passages<'_>>,
     realisations: std::ops::Range<u64>,
 ) -> Result<Vec<[f64; 3]>, Error> {
-    let push = |all: &mut Vec<[f64; 3]>, path: &GuidedPath<'_>| {
-        all.push([path.end[0], path.largest, path.log_weight]);
-    };
     let join = |mut earlier: Vec<_>, later: Vec<_>| {
         earlier.extend(later);
         earlier
     };
     ensemble(guides, passages).run(realisations, Vec::new, push, join)
+}
+
+fn push(all: &mut Vec<[f64; 3]>, path: &GuidedPath<'_>) {
+    all.push([path.end[0], path.largest, path.log_weight]);
 }
 
 #[test]
@@ -194,9 +194,6 @@ fn guided_paths_have_the_same_bits_for_any_number_of_threads_and_in_any_part() {
     assert_eq!(alone, on(2));
     assert_eq!(alone, on(8));
     // The blocks of a part are those of the whole.
-    let push = |all: &mut Vec<[f64; 3]>, path: &GuidedPath<'_>| {
-        all.push([path.end[0], path.largest, path.log_weight]);
-    };
     let of = |blocks| {
         let ensemble = ensemble(&guides, Some(through(&1.0)));
         ensemble.blocks((0..n, 4096), blocks, Vec::new, push).unwrap().concat()

@@ -1,15 +1,14 @@
 //! Studies, bridges, samples, rare events: what must hold of each.
 
 use sde_integrators::{
-    Additive, Between, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Integrator, Joints, LANES,
-    LaneIncrements, LinearFlows, Noise, Observable, Response, Samples, Sde, SemiImplicitEuler,
-    Side, SimdLevel, StateSpace, StrangOscillator, Study, SubsetConfig, Uncertainty, maxima, merge,
+    Between, DrivenPath, EnsembleConfig, Error, EulerMaruyama, Integrator, Joints, LANES,
+    LaneIncrements, LinearFlows, Noise, Observable, Response, Samples, SemiImplicitEuler, Side,
+    SimdLevel, StateSpace, StrangOscillator, Study, SubsetConfig, Uncertainty, maxima, merge,
     merge_so_far, subset_simulation,
 };
 
-use crate::methods::Linear;
-
-const OSCILLATOR: StateSpace<Linear> = StateSpace(Linear::oscillator(2.0, 0.3, 0.9));
+use crate::ensemble::Cubic;
+use crate::methods::{Linear, OSCILLATOR};
 
 /// What lanes do is what single steps do, whatever the method and whatever the instructions.
 #[test]
@@ -93,21 +92,7 @@ fn joined_steps_are_single_steps_to_roundoff() {
     }
 }
 
-/// `dX = -X^3 dt + 4 dB`, of which Euler's method loses some paths at h = 0.1.
-struct Cubic;
-
-impl Sde<1, 1> for Cubic {
-    type Noise = Additive;
-
-    fn drift(&self, _: f64, &[x]: &[f64; 1]) -> [f64; 1] {
-        [-x * x * x]
-    }
-
-    fn noise(&self, _: f64, _: &[f64; 1]) -> [[f64; 1]; 1] {
-        [[4.0]]
-    }
-}
-
+/// Some paths are lost.
 fn cubic<T>(
     n_paths: u64,
     look: impl FnOnce(&Study<'_, Cubic, EulerMaruyama, [f64; 1], 1>) -> T,
@@ -115,7 +100,7 @@ fn cubic<T>(
     let config = EnsembleConfig { seed: 3, n_paths, dt: 0.1, times: vec![20.0] };
     look(&Study {
         name: "cubic",
-        system: &Cubic,
+        system: &Cubic { intensity: 4.0 },
         integrator: &EulerMaruyama,
         law: &[0.0],
         config: &config,

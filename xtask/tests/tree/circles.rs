@@ -9,7 +9,7 @@ mod reader;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::folder::files;
+use crate::folder::texts;
 use crate::packages::{packages, word};
 use reader::{Names, Reader};
 
@@ -95,13 +95,7 @@ fn no_files_of_a_package_use_each_other_in_a_circle() {
     for package in packages() {
         let manifest = word(&package["manifest_path"]);
         let folder = Path::new(&manifest).with_file_name("src");
-        let source = |path: &std::path::PathBuf| {
-            let file = path.strip_prefix(&folder).expect("a path below the folder");
-            let text = std::fs::read_to_string(path).expect("a source");
-            (file.to_string_lossy().replace('\\', "/"), text)
-        };
-        let sources = files(&folder, ".rs").expect("the sources");
-        let edges = edges(&sources.iter().map(source).collect::<Vec<_>>());
+        let edges = edges(&texts(&folder, ".rs").expect("the sources"));
         n_edges += edges.values().map(BTreeMap::len).sum::<usize>();
         let found = circles(edges);
         if !found.is_empty() {

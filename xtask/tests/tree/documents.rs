@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use crate::folder::{files, root};
+use crate::folder::{root, texts};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -68,12 +68,12 @@ fn without_indentation(lines: &[&str]) -> String {
 fn code_blocks_are_the_text_of_the_sources_they_name() -> Outcome {
     let mut wrong = Vec::new();
     let mut seen = BTreeSet::new();
-    for page in files(&root(), ".md")? {
-        for Shown { path, name, code } in shown(&fs::read_to_string(&page)?) {
+    for (page, text) in texts(&root(), ".md")? {
+        for Shown { path, name, code } in shown(&text) {
             let source = fs::read_to_string(root().join(&path)).unwrap_or_default();
             let same = pieces(&source).get(&name) == Some(&code);
             if !same {
-                wrong.push(format!("{}: differs from `{name}` in {path}", page.display()));
+                wrong.push(format!("{page}: differs from `{name}` in {path}"));
             }
             seen.insert((path, name));
         }
@@ -81,9 +81,9 @@ fn code_blocks_are_the_text_of_the_sources_they_name() -> Outcome {
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(seen.len() >= 10, "only {} pieces of sources are shown", seen.len());
     // An excerpt that no page shows has lost its page.
-    for source in files(&root().join("crates"), ".rs")? {
-        let path = source.strip_prefix(root())?.to_string_lossy().replace('\\', "/");
-        for name in pieces(&fs::read_to_string(&source)?).into_keys() {
+    for (path, text) in texts(&root().join("crates"), ".rs")? {
+        let path = format!("crates/{path}");
+        for name in pieces(&text).into_keys() {
             assert!(seen.contains(&(path.clone(), name.clone())), "no page shows {path}#{name}");
         }
     }
@@ -93,11 +93,10 @@ fn code_blocks_are_the_text_of_the_sources_they_name() -> Outcome {
 #[test]
 fn every_page_on_extending_and_every_tutorial_shows_code_that_is_compiled() -> Outcome {
     for folder in ["docs/extend", "docs/tutorials"] {
-        let pages = files(&root().join(folder), ".md")?;
+        let pages = texts(&root().join(folder), ".md")?;
         assert!(pages.len() >= 3, "{folder} has {} pages", pages.len());
-        for page in pages {
-            let compiled = !shown(&fs::read_to_string(&page)?).is_empty();
-            assert!(compiled, "{} shows no piece of a source", page.display());
+        for (page, text) in pages {
+            assert!(!shown(&text).is_empty(), "{folder}/{page} shows no piece of a source");
         }
     }
     Ok(())
@@ -184,10 +183,9 @@ fn broken(page: &Path, text: &str, target: &str) -> Option<String> {
 #[test]
 fn relative_links_lead_somewhere() -> Outcome {
     let (mut wrong, mut n_links) = (Vec::new(), 0);
-    for page in files(&root(), ".md")? {
-        let text = fs::read_to_string(&page)?;
+    for (page, text) in texts(&root(), ".md")? {
         for target in targets(&text) {
-            wrong.extend(broken(&page, &text, &target));
+            wrong.extend(broken(&root().join(&page), &text, &target));
             n_links += 1;
         }
     }
@@ -243,14 +241,12 @@ fn is_there(page: &Path, path: &str) -> std::io::Result<bool> {
 #[test]
 fn the_files_and_folders_that_pages_name_are_there() -> Outcome {
     let (mut wrong, mut n_paths) = (Vec::new(), 0);
-    for page in files(&root(), ".md")? {
-        if page.ends_with("CHANGELOG.md") {
-            continue;
-        }
-        for path in named_paths(&fs::read_to_string(&page)?) {
+    let pages = texts(&root(), ".md")?.into_iter();
+    for (page, text) in pages.filter(|(page, _)| !page.ends_with("CHANGELOG.md")) {
+        for path in named_paths(&text) {
             n_paths += 1;
-            if !is_there(&page, &path)? {
-                wrong.push(format!("{}: {path} is not there", page.display()));
+            if !is_there(&root().join(&page), &path)? {
+                wrong.push(format!("{page}: {path} is not there"));
             }
         }
     }
@@ -279,9 +275,9 @@ fn merge_marks(text: &str) -> Vec<usize> {
 
 #[test]
 fn no_page_holds_the_marks_of_a_merge() -> Outcome {
-    for page in files(&root(), ".md")? {
-        let marks = merge_marks(&fs::read_to_string(&page)?);
-        assert!(marks.is_empty(), "{}: lines {marks:?}", page.display());
+    for (page, text) in texts(&root(), ".md")? {
+        let marks = merge_marks(&text);
+        assert!(marks.is_empty(), "{page}: lines {marks:?}");
     }
     assert_eq!(merge_marks("a\n<<<<<<< HEAD\n=======\n>>>>>>> b\n"), [2, 3, 4]);
     Ok(())

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use crate::folder::{files, root};
+use crate::folder::{root, texts};
 use words::{ENTRIES, NO_VERBS, VERBS};
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -233,12 +233,10 @@ fn pending(text: &str) -> BTreeMap<String, usize> {
 fn found_in_tree() -> std::io::Result<BTreeMap<String, Vec<String>>> {
     let mut all = BTreeMap::new();
     for ending in [".md", ".rs"] {
-        for file in files(&root(), ending)? {
-            let path = file.strip_prefix(root()).unwrap_or(&file);
-            let path = path.to_string_lossy().replace('\\', "/");
+        for (path, text) in texts(&root(), ending)? {
             let is_left_out = |part: &&str| path.starts_with(*part) || path.ends_with(*part);
             if !GENERATED.iter().chain(&ABOUT_WORDS).any(is_left_out) {
-                let found = found_in(&path, &fs::read_to_string(&file)?);
+                let found = found_in(&path, &text);
                 all.insert(path, found);
             }
         }
@@ -281,14 +279,13 @@ fn pages_comments_and_messages_use_the_words_of_the_field() -> Outcome {
 #[test]
 fn comments_have_fewer_clipped_sentences_than_before() -> Outcome {
     let mut found = Vec::new();
-    let all = files(&root(), ".rs")?.into_iter();
-    for file in all.filter(|file| ABOUT_WORDS.iter().all(|name| !file.ends_with(name))) {
-        let source = fs::read_to_string(&file)?;
+    let all = texts(&root(), ".rs")?.into_iter();
+    for (path, source) in all.filter(|(path, _)| !ABOUT_WORDS.contains(&path.as_str())) {
         // Strings have titles and names of authors.
         let lines = source.lines().map(|line| if is_comment(line) { line } else { "" });
         for Prose { line, text } in of_source(&lines.collect::<Vec<_>>().join("\n")) {
             let of_line = clipped(&text).into_iter();
-            found.extend(of_line.map(|sentence| format!("{}:{line}: {sentence}", file.display())));
+            found.extend(of_line.map(|sentence| format!("{path}:{line}: {sentence}")));
         }
     }
     let is_shown = std::env::var_os("LANGUAGE_SHOW").is_some();

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use crate::folder::{files, root};
+use crate::folder::{root, texts};
 use serde_json::Value;
 
 /// The solvers and shared crates that have cases.
@@ -71,8 +71,8 @@ fn names_differ_and_every_crate_with_cases_has_a_mutant() {
 
 #[test]
 fn the_cases_and_tests_that_have_to_catch_a_mutant_exist() {
-    let sources = files(&root().join("tests/src/cases"), ".rs").expect("the cases");
-    let text: String = sources.iter().filter_map(|path| fs::read_to_string(path).ok()).collect();
+    let sources = texts(&root().join("tests/src/cases"), ".rs").expect("the cases");
+    let text: String = sources.into_iter().map(|(_, text)| text).collect();
     for mutant in mutants() {
         let name = word(&mutant, "name");
         let list = |key: &str| mutant[key].as_array().cloned().unwrap_or_default();

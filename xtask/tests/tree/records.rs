@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use crate::folder::{files, root};
+use crate::folder::{root, texts};
 use serde_json::Value;
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -165,11 +165,10 @@ fn wrong(page: &str, verification: &Value) -> Vec<String> {
 fn numbers_of_pages_are_those_of_the_records() -> Outcome {
     let verification: Value = serde_json::from_str(&fs::read_to_string(root().join(RECORD))?)?;
     let (mut all_wrong, mut n_numbers) = (Vec::new(), 0);
-    for file in files(&root(), ".md")? {
-        let page = fs::read_to_string(&file)?;
+    for (path, page) in texts(&root(), ".md")? {
         n_numbers += shown(&page, &keys(&page)).map_or(0, |shown| shown.len());
         let lines = wrong(&page, &verification);
-        all_wrong.extend(lines.into_iter().map(|line| format!("{}: {line}", file.display())));
+        all_wrong.extend(lines.into_iter().map(|line| format!("{path}: {line}")));
     }
     assert!(all_wrong.is_empty(), "{all_wrong:#?}");
     assert!(n_numbers >= 200, "only {n_numbers} numbers have a record");
@@ -187,11 +186,9 @@ fn is_held(path: &str) -> bool {
 #[test]
 fn every_measured_number_of_a_held_page_has_a_record() -> Outcome {
     let (mut bare, mut n_pages) = (Vec::new(), 0);
-    for file in files(&root(), ".md")? {
-        let path = file.strip_prefix(root())?.to_string_lossy().replace('\\', "/");
+    for (path, page) in texts(&root(), ".md")? {
         if is_held(&path) {
             n_pages += 1;
-            let page = fs::read_to_string(&file)?;
             let lines = held::without_key(&page, &keys(&page));
             bare.extend(lines.into_iter().map(|line| format!("{path}:{line}")));
         }
@@ -204,9 +201,8 @@ fn every_measured_number_of_a_held_page_has_a_record() -> Outcome {
 #[test]
 fn what_was_measured_once_has_its_day() -> Outcome {
     let mut bare = Vec::new();
-    for file in files(&root(), ".md")? {
-        let path = file.strip_prefix(root())?.to_string_lossy().replace('\\', "/");
-        let lines = held::undated(&fs::read_to_string(&file)?);
+    for (path, page) in texts(&root(), ".md")? {
+        let lines = held::undated(&page);
         bare.extend(lines.into_iter().map(|line| format!("{path}:{line}")));
     }
     assert!(bare.is_empty(), "measured once, but not on which day:\n{}", bare.join("\n"));

@@ -128,6 +128,7 @@ mod tests {
             "<td>structural</td>",
             "a page &amp; its &lt;claims&gt;",
             "truncation &lt; 1 %",
+            "<code>self-check/<wbr>page</code>",
         ] {
             assert!(page.contains(expected), "{expected} is missing from\n{page}");
         }

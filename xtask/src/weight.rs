@@ -16,6 +16,8 @@ use crate::{RECORD, USAGE, cargo, forward, print, say, workspace};
 /// File to which the wrapper of the compiler adds its lines; set while `--build` measures.
 const UNITS: &str = "XTASK_WEIGHT_UNITS";
 const FILE: &str = "docs/weight.json";
+/// Folder of the builds from nothing.
+const BUILD: &str = "target/weight";
 /// The programs whose machine code is measured.
 const BINARIES: [&str; 3] = ["scenes", "verification", "work-precision"];
 
@@ -60,13 +62,14 @@ fn weigh(is_record: bool, is_build: bool) -> Result<String, String> {
         serde_json::from_str(&text).map_err(|error| format!("{FILE}: {error}"))?;
     let table = table(&lines, &recorded);
     if is_build {
-        for (profile, build) in [
-            ("release", "build --release -p scenes -p verification -p work-precision"),
-            ("test", "test --workspace --no-run"),
-        ] {
-            recorded["cpu_seconds"][profile] = json!(cpu_seconds(&root, build, lines.keys())?);
-        }
-        recorded["text_bytes"] = json!(text_bytes(&root.join("target/weight/release")));
+        let (release, test) = (
+            "build --release -p scenes -p verification -p work-precision",
+            "test --workspace --no-run",
+        );
+        recorded["cpu_seconds"]["release"] = json!(cpu_seconds(&root, release, lines.keys())?);
+        // The next build starts from nothing too.
+        recorded["text_bytes"] = json!(text_bytes(&root.join(BUILD).join("release"))?);
+        recorded["cpu_seconds"]["test"] = json!(cpu_seconds(&root, test, lines.keys())?);
     }
     if is_record {
         let entry = |(name, [src, tests]): (&String, &[u64; 2])| {
@@ -149,7 +152,7 @@ fn cpu_seconds<'a>(
     build: &str,
     packages: impl Iterator<Item = &'a String>,
 ) -> Result<BTreeMap<String, f64>, String> {
-    let folder = root.join("target/weight");
+    let folder = root.join(BUILD);
     let units = folder.join("units");
     let _ = std::fs::remove_dir_all(&folder);
     let error = |error: std::io::Error| format!("{}: {error}", folder.display());
@@ -203,15 +206,20 @@ fn child_seconds(stat: &str) -> f64 {
     fields.filter_map(|field| field.parse::<f64>().ok()).sum::<f64>() / 100.0
 }
 
-/// Bytes of machine code of the binaries, as `size` of the linker's package prints them; none without it.
-fn text_bytes(folder: &Path) -> BTreeMap<&'static str, u64> {
+/// Bytes of machine code of the binaries, as `size` of the linker's package prints them.
+fn text_bytes(folder: &Path) -> Result<BTreeMap<&'static str, u64>, String> {
     let of = |name| {
-        let output = Command::new("size").arg("-A").arg(folder.join(name)).output().ok()?;
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        let line = text.lines().find(|line| line.starts_with(".text "))?;
-        Some((name, line.split_whitespace().nth(1)?.parse().ok()?))
+        let path = folder.join(name);
+        let output = Command::new("size").arg("-A").arg(&path).output();
+        let output = output.map_err(|error| format!("cannot start size: {error}"))?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        let line = text.lines().find(|line| line.starts_with(".text "));
+        let bytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse().ok());
+        bytes
+            .map(|bytes| (name, bytes))
+            .ok_or_else(|| format!("size finds no .text in {}", path.display()))
     };
-    BINARIES.into_iter().filter_map(of).collect()
+    BINARIES.into_iter().map(of).collect()
 }
 
 #[cfg(test)]

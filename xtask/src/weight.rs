@@ -168,12 +168,12 @@ fn cpu_seconds<'a>(
     if !status.is_ok_and(|status| status.success()) {
         return Err(format!("cargo {build} failed"));
     }
-    let ours: BTreeMap<String, String> =
-        packages.map(|name| (name.replace('-', "_"), name.clone())).collect();
+    let ours: Vec<&String> = packages.collect();
     let mut seconds: BTreeMap<String, f64> = BTreeMap::new();
     for line in std::fs::read_to_string(&units).map_err(error)?.lines() {
         let (unit, of_unit) = line.split_once(' ').unwrap_or((line, "0"));
-        let package = ours.get(unit).map_or("dependencies", String::as_str);
+        let is_ours = ours.iter().any(|name| *name == unit);
+        let package = if is_ours { unit } else { "dependencies" };
         *seconds.entry(package.to_owned()).or_insert(0.0) += of_unit.parse().unwrap_or(0.0);
     }
     Ok(seconds.into_iter().map(|(name, sum)| (name, f64::round(sum))).collect())
@@ -189,9 +189,10 @@ pub(crate) fn as_wrapper(arguments: &[String]) -> Option<ExitCode> {
             return Some(ExitCode::FAILURE);
         }
     };
-    let name = rest.iter().position(|word| word == "--crate-name").and_then(|at| rest.get(at + 1));
+    // A test program is a crate of its own, so the crate's name does not tell the package.
+    let name = std::env::var("CARGO_PKG_NAME");
     let file = std::fs::OpenOptions::new().append(true).create(true).open(units);
-    if let (Some(name), Ok(mut file)) = (name, file) {
+    if let (Ok(name), Ok(mut file)) = (name, file) {
         let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
         // One write, so that units compiled at once do not mix. A lost line leaves a sum too small.
         let _ = file.write_all(format!("{name} {}\n", child_seconds(&stat)).as_bytes());

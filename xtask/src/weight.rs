@@ -189,7 +189,7 @@ pub(crate) fn as_wrapper(arguments: &[String]) -> Option<ExitCode> {
             return Some(ExitCode::FAILURE);
         }
     };
-    // A test program is a crate of its own, so the crate's name does not tell the package.
+    // A test program is a crate with a name of its own; cargo names the package here.
     let name = std::env::var("CARGO_PKG_NAME");
     let file = std::fs::OpenOptions::new().append(true).create(true).open(units);
     if let (Ok(name), Ok(mut file)) = (name, file) {

@@ -97,12 +97,12 @@ impl<'a> Context<'a> {
     }
 }
 
-/// One run of a case: the front of the ids of its claims, empty for none, and its method.
+/// Claims of one run of a case: the prefix of their ids, empty for none, and the method of the run.
 #[derive(Debug, Clone)]
 pub struct Lines<'a> {
     /// Context of the case.
     pub context: &'a Context<'a>,
-    /// The front of the ids.
+    /// Prefix of the ids.
     pub id: String,
     /// With which method, resolution and sample count.
     pub method: String,

@@ -43,7 +43,7 @@ use crate::system::{FilteredVisitor, System, Visitor};
 use charts::{lines, n_shown};
 use linearised::Linearised;
 use observed::Observed;
-use outcome::{Outcome, Shown};
+use outcome::{Outcome, Presentation};
 use pictures::{PictureData, Pictures};
 use record::{
     Content, Quantity, Series, WorkRecord, best_probabilities, magnitude_name, progress_words,
@@ -69,7 +69,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
         Computed::Here(outcome) => outcome,
         Computed::Elsewhere(files) => return Ok(Completed::Elsewhere(files)),
     };
-    let shown = Shown {
+    let shown = Presentation {
         scene: &scene,
         method: &scene.method,
         sources: sources(&scene.method),
@@ -217,7 +217,7 @@ impl Solved<'_> {
             if let Some(pictures) = pictures.as_mut().filter(|_| !standing.is_halted) {
                 pictures.look(&standing);
             }
-            self.tell(standing.rows, n_times);
+            self.report_progress(standing.rows, n_times);
             let is_last = standing.is_halted || standing.rows.len() == n_times;
             if failure.is_none() && (is_last || self.checkpoint.is_due()) {
                 let seen =
@@ -238,7 +238,7 @@ impl Solved<'_> {
     }
 
     /// Reports the first moment of the scene at the last time.
-    fn tell(&self, rows: &[Row], n_times: usize) {
+    fn report_progress(&self, rows: &[Row], n_times: usize) {
         let Some(row) = rows.last() else { return };
         let done = (rows.len() as u64, n_times as u64);
         let words = || progress_words(self.scene, self.system, row.t, &row.moments);

@@ -239,9 +239,6 @@ impl System {
     /// Reference time of the steps: the shortest period of an oscillation, else a relaxation time (s).
     #[must_use]
     pub fn reference_period(&self) -> f64 {
-        if let Some((structure, (_, filter))) = self.structure_period().zip(self.filter()) {
-            return structure.min(filter);
-        }
         match self {
             Self::LinearOscillator(system) => system.period(),
             Self::ViscousDamper(system) => system.period(),
@@ -255,8 +252,22 @@ impl System {
             Self::OrnsteinUhlenbeck4(system) => fastest(&system.parameters().rates),
             Self::Bistable(system) => std::f64::consts::TAU * system.relaxation_time(),
             Self::CoxIngersollRoss(system) => std::f64::consts::TAU / system.parameters().rate,
-            // In units of its own time: geometric Brownian motion has no relaxation.
-            _ => 1.0,
+            // In units of its own time: it has no relaxation.
+            Self::GeometricBrownianMotion(_) => 1.0,
+            Self::KanaiTajimiLinear(_)
+            | Self::KanaiTajimiDamper(_)
+            | Self::KanaiTajimiDuffing(_)
+            | Self::KanaiTajimiBoucWen(_)
+            | Self::KanaiTajimiTwoStorey(_)
+            | Self::CloughPenzienLinear(_)
+            | Self::CloughPenzienDamper(_)
+            | Self::CloughPenzienDuffing(_) => {
+                let filter = self.filter().map(|(_, period)| period);
+                [self.structure_period(), filter]
+                    .into_iter()
+                    .flatten()
+                    .fold(f64::INFINITY, f64::min)
+            }
         }
     }
 

@@ -17,7 +17,7 @@ use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;
 use crate::run::charts;
 use crate::run::observed::Observed;
-use crate::run::outcome::{Outcome, Shown};
+use crate::run::outcome::{Outcome, Presentation};
 use crate::run::probabilities::{Probabilities, UNGUIDED};
 use crate::run::record::{Probability, Series};
 use crate::sources::{AU_BECK_2001, GIRSANOV_1960, MACKE_2003};
@@ -64,7 +64,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
         BuildingMethod::MonteCarlo { .. } => &[],
         BuildingMethod::SubsetSimulation { .. } => &[AU_BECK_2001],
     };
-    let shown = Shown { scene, method: &scene.method, sources, absent: Some(NO_FIELD) };
+    let shown = Presentation { scene, method: &scene.method, sources, absent: Some(NO_FIELD) };
     let outcome = Outcome::from(found.content(&demand, seed));
     outcome.completed(run, &shown, |quantities| drawings(&scene.title, quantities))
 }

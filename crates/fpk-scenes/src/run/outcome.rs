@@ -32,7 +32,7 @@ impl From<Content> for Outcome {
 }
 
 /// What a kind of scene adds to the results.
-pub(crate) struct Shown<'a, S, M> {
+pub(crate) struct Presentation<'a, S, M> {
     pub(crate) scene: &'a S,
     pub(crate) method: &'a M,
     pub(crate) sources: &'a [Source],
@@ -45,7 +45,7 @@ impl Outcome {
     pub(crate) fn completed<S: Serialize, M: Serialize>(
         self,
         run: &Run<'_>,
-        shown: &Shown<'_, S, M>,
+        shown: &Presentation<'_, S, M>,
         charts: impl FnOnce(&[Series]) -> Result<Vec<Drawing>, RunError>,
     ) -> Result<Completed, RunError> {
         let Self { content, stopped, planes, files } = self;

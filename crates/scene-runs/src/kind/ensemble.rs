@@ -37,17 +37,17 @@ pub struct Items<T> {
     pub cpu_seconds: f64,
 }
 
-/// What a process has of an ensemble.
+/// The result of an ensemble on this process.
 #[derive(Debug)]
 pub enum Computed<T> {
     /// The whole ensemble.
     Here(T),
-    /// Nothing: a shard is in its file, and a rank may have no result.
+    /// The files of a shard, or none on a rank without the result.
     Elsewhere(Vec<PathBuf>),
 }
 
 impl<T> Computed<T> {
-    /// The same of what is made of the ensemble.
+    /// Applies a function to the whole ensemble.
     pub fn map<U>(self, of: impl FnOnce(T) -> U) -> Computed<U> {
         match self {
             Self::Here(all) => Computed::Here(of(all)),

@@ -3,7 +3,7 @@
 use scenes::RunError;
 use serde_json::Value;
 
-use crate::harness::{Ran, changed, numbers_in, whole_merged_and_on_ranks};
+use crate::harness::{SceneRun, changed, numbers_in, whole_merged_and_on_ranks};
 
 const BUILDING: &str = include_str!("../../../../tests/scenes/fpk/ten_storeys.json");
 const OWN: &str = "'guided_paths': { 'samples': 20000, 'step': 0.01, 'seed': 1 }";
@@ -23,7 +23,7 @@ fn each_method_finds_the_same_passages_and_guided_paths_report_their_weights() {
             ("'until': 10, 'every': 5", "'until': 4, 'every': 2"),
             (OWN, method),
         ];
-        Ran::of(&changed(BUILDING, &changes)).result()
+        SceneRun::of(&changed(BUILDING, &changes)).result()
     };
     let guided = by("'guided_paths': { 'samples': 2000, 'step': 0.01, 'seed': 1 }");
     let free = by("'monte_carlo': { 'paths': 20000, 'step': 0.01, 'seed': 2 }");
@@ -72,7 +72,7 @@ fn merged_shards_and_ranks_have_the_bits_of_one_run() {
 #[test]
 fn an_interrupted_run_resumes_with_the_bits_of_one_run_and_subset_simulation_has_no_shards() {
     let text = short("'guided_paths': { 'samples': 2500, 'step': 0.02, 'seed': 1 }");
-    let ran = Ran::of(&text);
+    let ran = SceneRun::of(&text);
     let whole = numbers_in(&ran.out());
     std::fs::remove_file(ran.out().join("result.json")).unwrap();
     // All blocks are in the checkpoint: none is computed again.

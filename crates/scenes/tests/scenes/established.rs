@@ -5,7 +5,7 @@ use std::path::Path;
 use scenes::RunError;
 use serde_json::Value;
 
-use crate::harness::{Ran, changed, whole_merged_and_on_ranks};
+use crate::harness::{SceneRun, changed, whole_merged_and_on_ranks};
 
 const DAMPER: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
 const LINEARISED: &str = "'statistical_linearisation': { 'step': 0.05 }";
@@ -23,7 +23,7 @@ fn by(method: &str, thresholds: &str) -> String {
 }
 
 fn result(text: &str) -> Value {
-    Ran::of(text).result()
+    SceneRun::of(text).result()
 }
 
 /// Value, error and kind of a quantity at its last time.
@@ -135,7 +135,7 @@ fn merged_shards_and_ranks_of_guided_paths_have_the_bits_of_one_run() {
 
 #[test]
 fn there_are_no_shards_and_a_checkpoint_of_another_method_is_refused() {
-    let ran = Ran::of(&by("'monte_carlo': { 'paths': 100, 'step': 0.04, 'seed': 6 }", "[1]"));
+    let ran = SceneRun::of(&by("'monte_carlo': { 'paths': 100, 'step': 0.04, 'seed': 6 }", "[1]"));
     for method in [LINEARISED, SUBSET] {
         let error = ran.resume(&by(method, "[1]")).unwrap_err();
         assert!(matches!(error, RunError::Checkpoint(_)), "{error:?}");

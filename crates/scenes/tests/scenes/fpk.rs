@@ -2,14 +2,14 @@
 
 use scenes::RunError;
 
-use crate::harness::{Ran, changed, checkpoints, result_in};
+use crate::harness::{SceneRun, changed, checkpoints, result_in};
 
 /// A scene of a few particles and steps.
 const SMALL: &str = include_str!("../small/fpk/bouc_wen.json");
 
 #[test]
 fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
-    let ran = Ran::of(SMALL);
+    let ran = SceneRun::of(SMALL);
     let result = ran.result();
     let written = ran.written.as_ref().unwrap();
     for expected in
@@ -32,7 +32,7 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
 fn an_earlier_end_than_that_of_a_checkpoint_is_told_from_it_and_leaves_it_as_it_is() {
     let planes = ",\n  'planes': { 'states': [['q', 'z']], 'times': [0.2] }";
     let longer = changed(SMALL, &[(planes, "")]);
-    let ran = Ran::of(&longer);
+    let ran = SceneRun::of(&longer);
     let kept = checkpoints(&ran.out());
     ran.resume(&changed(&longer, &[("'until': 0.2", "'until': 0.1")])).unwrap();
     assert!(checkpoints(&ran.out()) == kept && !kept.is_empty());
@@ -47,7 +47,7 @@ fn another_number_of_paths_than_a_checkpoint_has_is_refused_and_leaves_it_as_it_
         let method = format!("'monte_carlo': {{ 'paths': {n}, 'step': 0.02, 'seed': 1 }}");
         changed(SMALL, &[("'flow_map_fit': { 'spacing': 0.8, 'reach': 4 }", &method)])
     };
-    let ran = Ran::of(&paths(200));
+    let ran = SceneRun::of(&paths(200));
     let kept = checkpoints(&ran.out());
     let error = ran.resume(&paths(100)).unwrap_err();
     assert!(matches!(error, RunError::Checkpoint(_)), "{error:?}");
@@ -60,11 +60,11 @@ fn a_filter_that_is_conditioned_out_leaves_the_questions_about_the_structure() {
     // A building with a viscous damper behind soil, whose states are conditioned out.
     let behind_soil = include_str!("../small/fpk/behind_soil.json");
     let longer = changed(behind_soil, &[("'until': 1", "'until': 2")]);
-    let ran = Ran::of(behind_soil);
+    let ran = SceneRun::of(behind_soil);
     // It goes on bit for bit.
     ran.resume(&longer).unwrap();
     let found = &result_in(&ran.out())["quantities"];
-    assert_eq!(&Ran::of(&longer).result()["quantities"], found);
+    assert_eq!(&SceneRun::of(&longer).result()["quantities"], found);
     // E[q^2] at t = 2 by 4,000,000 paths of Heun's method, 0.07 %.
     let last = found[0]["values"].as_array().unwrap().last().unwrap()["value"].as_f64().unwrap();
     let error = last / 0.0111849 - 1.0;
@@ -83,7 +83,7 @@ fn a_cubic_spring_behind_soil_needs_fresh_lattices_and_its_run_says_so() {
     let text = changed(built_in, &short);
     let on_one = changed(&text, &[(", 'fresh_lattices': {}", "")]);
     for (text, is_on_one) in [(text, false), (on_one, true)] {
-        let said = Ran::of(&text).result()["unknown"].to_string();
+        let said = SceneRun::of(&text).result()["unknown"].to_string();
         assert!(said.contains("one covariance"), "{said}");
         assert_eq!(said.contains("add `fresh_lattices`"), is_on_one, "{said}");
     }

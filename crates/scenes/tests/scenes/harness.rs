@@ -19,12 +19,12 @@ pub(crate) fn changed(text: &str, changes: &[(&str, &str)]) -> String {
 }
 
 /// A run in a temporary folder: `scene.json`, files that it names, and the results in `out`.
-pub(crate) struct Ran {
+pub(crate) struct SceneRun {
     folder: TempDir,
     pub(crate) written: Result<Vec<PathBuf>, RunError>,
 }
 
-impl Ran {
+impl SceneRun {
     pub(crate) fn of(text: &str) -> Self {
         Self::beside(text, &[])
     }
@@ -121,7 +121,7 @@ pub(crate) fn checkpoints(out: &Path) -> Vec<Vec<u8>> {
 }
 
 /// The folder of a run of the scene on three ranks.
-pub(crate) fn on_three_ranks(ran: &Ran) -> PathBuf {
+pub(crate) fn on_three_ranks(ran: &SceneRun) -> PathBuf {
     let (scene, options) = (ran.folder().join("scene.json"), ran.options("ranks"));
     std::thread::scope(|scope| {
         for rank in ThreadRank::all(3) {
@@ -137,7 +137,7 @@ pub(crate) fn on_three_ranks(ran: &Ran) -> PathBuf {
 /// Three shards in any order, and three ranks, have the numbers of one run, which are returned. Shards that do not belong together are
 /// refused, and those of another scene too.
 pub(crate) fn whole_merged_and_on_ranks(text: &str, other: &str) -> Value {
-    let ran = Ran::of(text);
+    let ran = SceneRun::of(text);
     ran.result();
     let whole = numbers_in(&ran.out());
     let files =
@@ -163,7 +163,7 @@ pub(crate) fn whole_merged_and_on_ranks(text: &str, other: &str) -> Value {
 }
 
 /// A file that is no shard is refused, although the scene itself cannot run.
-pub(crate) fn no_shard_is_refused_first(ran: &Ran) {
+pub(crate) fn no_shard_is_refused_first(ran: &SceneRun) {
     assert!(ran.written.is_err(), "{:?}", ran.written);
     let joined = ran.merge(&[&ran.folder().join("scene.json")]);
     assert!(matches!(joined, Err(RunError::Checkpoint(CheckpointError::Refused(_)))), "{joined:?}");

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::harness::{Ran, changed};
+use crate::harness::{SceneRun, changed};
 use crate::peridyn::inference;
 
 /// The rows of `mistakes/*.json`: parts of a small scene that are replaced, in which `'` is `"`; the path of the key at which the mistake
@@ -26,7 +26,7 @@ fn mistakes_are_shown_where_they_are() {
                 .map(|pair| (pair[0].as_str().unwrap(), pair[1].as_str().unwrap()))
                 .collect();
             let text = changed(&read(word("scene")), &changes);
-            let ran = Ran::beside(&text, &files);
+            let ran = SceneRun::beside(&text, &files);
             let mistake = ran.mistake();
             assert_eq!(mistake.path, word("at"), "{row}: {}", mistake.message);
             assert!(mistake.message.contains(word("says")), "{row}: {}", mistake.message);

@@ -9,7 +9,7 @@ use std::path::Path;
 use scenes::checkpoint::Start;
 use scenes::{Options, RunError};
 
-use crate::harness::{Ran, changed, no_shard_is_refused_first};
+use crate::harness::{SceneRun, changed, no_shard_is_refused_first};
 
 /// A plate of 16 by 16 nodes with a field of strength and a little noise.
 const PLATE: &str = include_str!("../small/peridyn/notched.json");
@@ -28,7 +28,7 @@ fn with(changes: &[(&str, &str)]) -> String {
 
 #[test]
 fn a_scene_tells_its_resolved_inputs_and_every_number_with_its_error() {
-    let ran = Ran::of(PLATE);
+    let ran = SceneRun::of(PLATE);
     let result = ran.result();
     let resolved = |key: &str| result["resolved"][key].as_f64().unwrap();
     assert_eq!((resolved("nodes"), resolved("z")), (256.0, 0.9));
@@ -77,7 +77,7 @@ fn every_dynamics_mobility_and_strength_runs() {
     let noisy =
         changed(inertial, &[("'temperature': 'zero'", "'temperature': { 'joule': 1e-12 }")]);
     for text in cases.map(with).into_iter().chain([noisy]) {
-        let result = Ran::of(&text).result();
+        let result = SceneRun::of(&text).result();
         let broken = result["broken_bonds"]["value"].as_f64().unwrap();
         assert!(broken.is_finite() && result["failures"].as_array().unwrap().is_empty());
     }
@@ -91,7 +91,8 @@ fn a_velocity_of_the_grips_is_a_strain_at_the_end() {
         ("'z': 0.9", "'dt': 1e-9"),
         ("'value': 1 ", "'value': 2 "),
     ];
-    let strain = Ran::of(&with(&changes)).result()["resolved"]["final_strain"].as_f64().unwrap();
+    let strain =
+        SceneRun::of(&with(&changes)).result()["resolved"]["final_strain"].as_f64().unwrap();
     // Both edges, 400 steps, over 16 mm.
     assert!((strain / (2.0 * 1e-3 * 400e-9 / 0.016) - 1.0).abs() < 1e-12, "{strain}");
 }
@@ -102,7 +103,7 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
         let n = format!("'realisations': {n}");
         with(&[("'steps': 400", "'steps': 10"), ("'realisations': 12", &n), ("[0, 11]", "[]")])
     };
-    let ran = Ran::of(&of(6));
+    let ran = SceneRun::of(&of(6));
     ran.result();
     ran.shard("2/2", "shard").unwrap();
     let part = scenes::EnsemblePart::Shard("2/2".parse().unwrap());
@@ -127,12 +128,12 @@ fn realisations_of_a_checkpoint_that_are_not_the_first_asked_for_are_refused_and
 /// The step exceeds every stable step, which only the built body shows.
 #[test]
 fn a_file_that_is_no_shard_is_refused_before_the_body_is_built() {
-    no_shard_is_refused_first(&Ran::of(&with(&[("'z': 0.9", "'dt': 1")])));
+    no_shard_is_refused_first(&SceneRun::of(&with(&[("'z': 0.9", "'dt': 1")])));
 }
 
 #[test]
 fn an_unknown_key_is_told_the_nearest() {
-    let ran = Ran::of(&with(&[("'spacing'", "'spaceing'")]));
+    let ran = SceneRun::of(&with(&[("'spacing'", "'spaceing'")]));
     assert_eq!(ran.mistake().help.as_deref(), Some("did you mean `spacing`?"));
 }
 

@@ -7,7 +7,7 @@ use result_figures::number::short;
 use serde_json::Value;
 
 use crate::drive::{axe, browser, drive, violations, width_in_a_narrow_frame};
-use crate::harness::{Ran, changed, result_in};
+use crate::harness::{SceneRun, changed, result_in};
 
 /// Largest page (bytes).
 const MOST_BYTES: usize = 3_000_000;
@@ -22,14 +22,14 @@ pub(crate) const BUILDING: &str = include_str!("../small/fpk/building.json");
 
 /// A run, with a title that is markup.
 struct Page {
-    ran: Ran,
+    ran: SceneRun,
     html: String,
     result: Value,
 }
 
 impl Page {
     fn of(scene: &str) -> Self {
-        let ran = Ran::of(&scene.replace("TITLE", HOSTILE));
+        let ran = SceneRun::of(&scene.replace("TITLE", HOSTILE));
         let (result, page) = (ran.result(), ran.out().join("index.html"));
         assert!(ran.written.as_ref().is_ok_and(|files| files.contains(&page)), "{:?}", ran.written);
         let html = std::fs::read_to_string(page).unwrap();

@@ -7,7 +7,9 @@ use scenes::{Options, RunError};
 use serde_json::Value;
 use twox_hash::XxHash64;
 
-use crate::harness::{Ran, changed, checkpoints, mistake_of, no_shard_is_refused_first, result_in};
+use crate::harness::{
+    SceneRun, changed, checkpoints, mistake_of, no_shard_is_refused_first, result_in,
+};
 
 /// A steel plate impacts a wall, in uniaxial strain.
 const PLATE: &str = include_str!("../small/smpm/impact.json");
@@ -22,7 +24,7 @@ fn gauges(out: &Path) -> Value {
 }
 
 /// The values of the first quantity at the first gauge, of which the last is over a window.
-fn over_window(ran: &Ran) -> Value {
+fn over_window(ran: &SceneRun) -> Value {
     ran.result()["gauges"][0]["quantities"][0]["values"][2].take()
 }
 
@@ -52,8 +54,8 @@ fn a_longer_scene_goes_on_from_a_shorter_one_by_every_method_without_samples() {
     ];
     for method in methods {
         let of = |times: &str| changed(PLATE, &[("'propagated'", method), (TIMES, times)]);
-        let whole = Ran::of(&of(LONGER));
-        let ran = Ran::of(&of(TIMES));
+        let whole = SceneRun::of(&of(LONGER));
+        let ran = SceneRun::of(&of(TIMES));
         let (out, short) = (ran.out(), gauges(&ran.out()));
         ran.resume(&of(LONGER)).unwrap();
         assert_eq!(all_of(&out), all_of(&whole.out()), "{method}");
@@ -69,7 +71,7 @@ fn a_longer_scene_goes_on_from_a_shorter_one_by_every_method_without_samples() {
 
 #[test]
 fn a_frame_that_is_gone_is_missed_by_its_name() {
-    let ran = Ran::of(PLATE);
+    let ran = SceneRun::of(PLATE);
     std::fs::remove_file(ran.out().join("fields/fields-0000.vtu")).unwrap();
     let error = ran.resume(PLATE).unwrap_err();
     let RunError::Solver(error) = error else { panic!("{error}") };
@@ -88,7 +90,7 @@ fn with_right_hash(mut bytes: Vec<u8>) -> Vec<u8> {
 #[test]
 fn a_checkpoint_of_a_single_run_is_refused_where_it_is_damaged_and_never_ends_in_a_panic() {
     let text = by("'deterministic'");
-    let ran = Ran::of(&text);
+    let ran = SceneRun::of(&text);
     let newest = checkpoints(&ran.out()).into_iter().max_by_key(Vec::len);
     let newest = &newest.expect("a run leaves a checkpoint at its end");
     let longer = changed(&text, &[(TIMES, LONGER)]);
@@ -139,11 +141,11 @@ fn sobol_indices_by_two_methods_are_those_of_the_hugoniot_and_more_points_contin
     // p = rho_0 (C + S_1 u) u: variances as the squares of 0.02 C and 0.05 S_1 u.
     let (by_c, by_s) = ((0.02 * 0.457_f64).powi(2), (0.05 * 1.49 * 0.1_f64).powi(2));
     let exact = [by_c / (by_c + by_s), by_s / (by_c + by_s)];
-    let of_design = Ran::of(&of(&quasi("sobol_indices", 4, "")));
+    let of_design = SceneRun::of(&of(&quasi("sobol_indices", 4, "")));
     of_design.resume(&of(&quasi("sobol_indices", 8, ""))).unwrap();
-    let anew = Ran::of(&of(&quasi("sobol_indices", 8, "")));
+    let anew = SceneRun::of(&of(&quasi("sobol_indices", 8, "")));
     assert_eq!(gauges(&of_design.out()), gauges(&anew.out()));
-    let of_fit = Ran::of(&of(&quasi("quasi_monte_carlo", 8, ", 'control': true")));
+    let of_fit = SceneRun::of(&of(&quasi("quasi_monte_carlo", 8, ", 'control': true")));
     // 64 points: the design knows indices to a tenth, the polynomial much better.
     for (ran, largest) in [(of_design, 0.25), (of_fit, 0.02)] {
         let shares = &over_window(&ran)["sobol_indices"];
@@ -175,7 +177,7 @@ fn a_scene_runs_to_its_end_by_every_method() {
         ("{ 'multilevel': { 'tolerance': 0.06, 'seed': 1 } }", true),
     ];
     for (method, varies) in methods {
-        let pressure = over_window(&Ran::of(&changed(PLATE, &[("'propagated'", method)])));
+        let pressure = over_window(&SceneRun::of(&changed(PLATE, &[("'propagated'", method)])));
         // p = rho_0 (C + S_1 u) u within one per cent, and its deviation 5 % of rho_0 S_1 u^2; the frozen one twice
         // that.
         let mean = pressure["mean"].as_f64().unwrap();
@@ -197,14 +199,14 @@ fn sampled(n: u64) -> String {
 
 #[test]
 fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost() {
-    let ran = Ran::of(&sampled(20));
+    let ran = SceneRun::of(&sampled(20));
     let out = ran.out();
     let (of_all, kept) = (gauges(&out), checkpoints(&out));
     let resume = |n: u64| {
         ran.resume(&sampled(n)).unwrap();
         gauges(&out)
     };
-    let anew = Ran::of(&sampled(8));
+    let anew = SceneRun::of(&sampled(8));
     assert_eq!(resume(8), gauges(&anew.out()));
     assert_eq!(checkpoints(&out), kept);
     assert_eq!(resume(20), of_all);
@@ -213,7 +215,7 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
 /// The plate is too fast for its equation of state, which only a run shows.
 #[test]
 fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {
-    no_shard_is_refused_first(&Ran::of(&changed(&sampled(8), &[("[-0.1]", "[-5]")])));
+    no_shard_is_refused_first(&SceneRun::of(&changed(&sampled(8), &[("[-0.1]", "[-5]")])));
 }
 
 #[test]
@@ -224,7 +226,7 @@ fn a_size_off_the_lattice_is_noted_in_the_result() {
         // 4.8 and 8.4 spacings: five and eight are filled.
         ("'to': [3.2, 2.1]", 2),
     ] {
-        let result = Ran::of(&changed(charge, &[("'to': [3, 2]", to)])).result();
+        let result = SceneRun::of(&changed(charge, &[("'to': [3, 2]", to)])).result();
         let noted = result["notes"].as_array().map_or(&[][..], Vec::as_slice);
         assert_eq!(noted.len(), notes);
         if notes > 0 {

@@ -6,7 +6,7 @@ use random_fields::{
 use scenes::RunError;
 use serde_json::Value;
 
-use crate::harness::{Ran, changed};
+use crate::harness::{SceneRun, changed};
 use crate::long_runs::refused_and_resumed;
 
 /// An elastic bar runs into a wall, in uniaxial strain.
@@ -25,7 +25,7 @@ fn every_method_gives_the_deviation_of_the_samples() {
         ("{ 'forward_difference': { 'step': 0.01 } }", 10),
         ("{ 'monte_carlo': { 'samples': 80, 'seed': 1, 'control': true } }", 83),
     ] {
-        let ran = Ran::of(&changed(BAR, &[("'propagated'", method)]));
+        let ran = SceneRun::of(&changed(BAR, &[("'propagated'", method)]));
         let result = ran.result();
         let field = &result["random_fields"][0];
         assert_eq!(field["terms"], 9);
@@ -66,7 +66,7 @@ fn a_polygon_with_a_separable_field_is_expanded_on_the_box_of_its_corners() {
             ("'propagated'", "'deterministic'"),
         ],
     );
-    let result = Ran::of(&text).result();
+    let result = SceneRun::of(&text).result();
     // Half of the places of a lattice of 40 by 20; none is on the inclined edge.
     assert_eq!(result["work"]["particles"], 400);
     let of = |length| Correlation { function: CorrelationFunction::Exponential, length };
@@ -95,12 +95,12 @@ fn a_plan_that_would_take_too_long_is_refused_and_goes_on_where_it_was() {
 
 #[test]
 fn most_samples_are_on_coarse_grids_and_a_continued_run_has_the_bits_of_a_new_one() {
-    let continued = Ran::of(&on_grids(0.2));
+    let continued = SceneRun::of(&on_grids(0.2));
     continued.resume(&on_grids(0.1)).unwrap();
     let continued = continued.result();
     let on = |n_threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-        pool.install(|| Ran::of(&on_grids(0.1))).result()
+        pool.install(|| SceneRun::of(&on_grids(0.1))).result()
     };
     let [anew, on_two] = [1, 2].map(on);
     for key in ["gauges", "multilevel", "notes"] {
@@ -127,7 +127,7 @@ fn most_samples_are_on_coarse_grids_and_a_continued_run_has_the_bits_of_a_new_on
     let (variance, error) = (number(&end["variance"]), number(&end["variance_standard_error"]));
     assert!((0.02..=0.1).contains(&(error / variance)), "{end}");
     // The deviation by derivatives, whose third order is at most a few per cent.
-    let of_series = Ran::of(BAR).result();
+    let of_series = SceneRun::of(BAR).result();
     let series = end_of(&of_series);
     let apart = number(&series["variance"]) - variance;
     assert!(apart.abs() < 4.0 * error + 0.05 * variance, "{series} {end}");
@@ -147,7 +147,7 @@ fn most_samples_are_on_coarse_grids_and_a_continued_run_has_the_bits_of_a_new_on
 
 #[test]
 fn a_plan_has_no_shards() {
-    let ran = Ran::of(&on_grids(0.4));
+    let ran = SceneRun::of(&on_grids(0.4));
     let refused = ran.shard("1/2", "shard");
     assert!(matches!(refused, Err(RunError::NoShardsOfAPlan)), "{refused:?}");
 }

@@ -54,11 +54,11 @@ fn files_with<'a>(plate: &'a str, [paths, loads]: [&'a str; 2]) -> [(&'static st
     [("plate.json", plate), ("paths.csv", paths), ("loads.csv", loads)]
 }
 
-fn inferred(text: &str, files: [(&str, &str); 3]) -> Ran {
-    Ran::beside(text, &files.map(|(name, text)| (name, text.as_bytes())))
+fn inferred(text: &str, files: [(&str, &str); 3]) -> SceneRun {
+    SceneRun::beside(text, &files.map(|(name, text)| (name, text.as_bytes())))
 }
 
-fn run_changed(changes: &[(&str, &str)]) -> Ran {
+fn run_changed(changes: &[(&str, &str)]) -> SceneRun {
     inferred(&changed(INFERENCE, changes), files())
 }
 

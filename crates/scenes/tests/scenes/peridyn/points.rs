@@ -31,13 +31,16 @@ fn named(file: &str) -> String {
 }
 
 /// A plate whose points are in a file, with some changes.
-fn of_points(file: &str, contents: &[u8], changes: &[(&str, &str)]) -> Ran {
-    Ran::beside(&with(&[&[(BODY, named(file).as_str())], changes].concat()), &[(file, contents)])
+fn of_points(file: &str, contents: &[u8], changes: &[(&str, &str)]) -> SceneRun {
+    SceneRun::beside(
+        &with(&[&[(BODY, named(file).as_str())], changes].concat()),
+        &[(file, contents)],
+    )
 }
 
 #[test]
 fn points_on_the_lattice_crack_as_the_lattice_does() {
-    let lattice = Ran::of(PLATE).result();
+    let lattice = SceneRun::of(PLATE).result();
     let file = csv("", &places(0.0), |_| String::new());
     let cloud = of_points("points.csv", file.as_bytes(), &[]).result();
     assert!(lattice["broken_bonds"]["value"].as_f64().unwrap() > 0.0);
@@ -93,7 +96,7 @@ fn holes_are_taken_out_of_the_lattice() {
     let circle = "{ 'circle': { 'centre': [0.012, 0.004], 'radius': 0.0021 } }";
     let square = "{ 'box': { 'low': [0.008, 0.011], 'high': [0.011, 0.013] } }";
     let holes = format!("{BODY} 'holes': [{circle}, {square}],");
-    let result = Ran::of(&with(&[(BODY, &holes)])).result();
+    let result = SceneRun::of(&with(&[(BODY, &holes)])).result();
     // Around a corner of boxes: 4 at 0.71 spacings, 8 at 1.58; 4 more at 2.12 lie outside.
     assert_eq!(result["resolved"]["nodes"], 256 - 12 - 6);
 }
@@ -202,7 +205,7 @@ fn a_hole_draws_cracks_that_run_through_the_plate_without_it() {
     let hole = text.lines().find(|line| line.contains("\"holes\"")).unwrap();
     let whole = text.replace(&format!(",\n{hole}"), "");
     let outcomes = |text: &str| {
-        let result = Ran::of(text).result();
+        let result = SceneRun::of(text).result();
         let realisations = result["realisations"].as_array().unwrap().clone();
         move |outcome: &str| realisations.iter().filter(|one| one["outcome"] == outcome).count()
     };

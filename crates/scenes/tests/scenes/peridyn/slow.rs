@@ -24,7 +24,7 @@ fn every_law_runs_slowly_and_its_load_is_over_strain_or_displacement() {
     let cases: [&[(&str, &str)]; 4] =
         [&[], &[(TOUGHNESS, SOFTENING)], &[SOLID], &[(GRIPS, SUPPORTS), (STRETCH, LIFTED)]];
     for (number, changes) in cases.into_iter().enumerate() {
-        let result = Ran::of(&changed(SLOW, changes)).result();
+        let result = SceneRun::of(&changed(SLOW, changes)).result();
         assert!(result["failures"].as_array().unwrap().is_empty(), "{}", result["failures"]);
         assert!(result["broken_bonds"]["value"].as_f64().unwrap() > 10.0);
         let (resolved, load) = (&result["resolved"], &result["load"]);
@@ -46,7 +46,7 @@ fn a_solid_runs_in_time_and_in_single_precision() {
     let steps = ("'steps': 400", "'steps': 400, 'breaking': 'bridge'");
     let heun = ("'leimkuhler_matthews'", "'heun'");
     for precision in ["'f64'", "'f32'"] {
-        let result = Ran::of(&with(&[steps, heun, SOLID, ("'f64'", precision)])).result();
+        let result = SceneRun::of(&with(&[steps, heun, SOLID, ("'f64'", precision)])).result();
         assert!(result["failures"].as_array().unwrap().is_empty());
         assert!(result["failure_load"]["mean"]["value"].as_f64().unwrap() > 0.0);
     }
@@ -54,14 +54,15 @@ fn a_solid_runs_in_time_and_in_single_precision() {
 
 #[test]
 fn a_slow_ensemble_has_the_same_bits_in_shards_and_after_a_checkpoint() {
-    let ran = Ran::of(SLOW);
+    let ran = SceneRun::of(SLOW);
     let whole = ran.result();
     let shards = ["2/2", "1/2"].map(|place| ran.shard(place, &place.replace('/', "-")).unwrap());
     ran.merge(&[&shards[0], &shards[1]]).unwrap();
     let merged = result_in(&ran.folder().join("merged"));
     // Two realisations, then one more after the checkpoint of these.
     let one_shown = ("[0, 2]", "[0]");
-    let grown = Ran::of(&changed(SLOW, &[("'realisations': 3", "'realisations': 2"), one_shown]));
+    let grown =
+        SceneRun::of(&changed(SLOW, &[("'realisations': 3", "'realisations': 2"), one_shown]));
     grown.resume(&changed(SLOW, &[one_shown])).unwrap();
     let grown = grown.result();
     for key in ["realisations", "load", "path", "failure_load", "outcomes"] {

@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
-use crate::{USAGE, cargo, print, say, workspace};
+use crate::{USAGE, cargo, print, run_package, say, workspace};
 use surroundings::Surroundings;
 
 const HELP: &str = "\
@@ -18,10 +18,12 @@ Checks whose tools need not be there; one that cannot run is skipped with its re
 
 Usage: cargo xtask audit [NAME]... [--list]
        cargo xtask audit claims [--only MUTANT]... [--crate NAME]... [--list] [--record]
+       cargo xtask audit errors [--runs N] [--seed S] [--method NAME]... [--family NAME]... [--each]
 
   NAME      run only these checks
   --list    list the checks
   claims    alone and first, takes arguments of its own: `audit claims --help`
+  errors    the same: `audit errors --help`
 
 The exit code is 1 if a check failed; a skipped one has not failed.
 ";
@@ -97,6 +99,11 @@ const CHECKS: [Check; 13] = [
         "claims",
         "the claims of a crate notice one wrong constant or sign in it",
         Lines(&["cargo xtask audit claims"]),
+    ),
+    check(
+        "errors",
+        "on scenes drawn at random with known answers the truth lies within the errors that are stated",
+        Lines(&["cargo xtask audit errors --runs 1000"]),
     ),
     check(
         "any-input",
@@ -179,10 +186,13 @@ impl Outcome {
 
 /// The command line after `audit`.
 pub(crate) fn run(arguments: &[String]) -> ExitCode {
-    if let Some((first, rest)) = arguments.split_first()
-        && first == "claims"
-    {
-        return claims::run(rest);
+    // A list of checks may name them too: with arguments of their own they are commands.
+    match arguments.split_first() {
+        Some((first, rest)) if first == "claims" => return claims::run(rest),
+        Some((first, rest)) if first == "errors" => {
+            return run_package("stated-errors", false, rest);
+        }
+        _ => {}
     }
     if arguments.iter().any(|argument| argument == "--help" || argument == "-h") {
         return print(HELP);

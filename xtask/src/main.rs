@@ -63,6 +63,9 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               Rust, packages; one that cannot run is skipped
   weight [--record [--build]] lines of Rust by package, and their change since docs/weight.json;
                               --build measures compile times and machine code too
+  audit errors [--runs N] [--seed S] [--each]
+                              draw scenes with known answers, run them, and say how often the truth
+                              lies within the errors that they state
   audit claims [--only NAME]... [--crate NAME]... [--missing] [--record]
                               build with one constant or sign wrong at a time: do the
                               claims of its crate notice? --missing runs those whose source

@@ -1,10 +1,12 @@
 //! A run of the density solver, observed at given times.
 
 use fpk_sph::observables::{CellIntegral, Probability};
-use fpk_sph::{ConditionedSimulation, Config, Error, Simulation, Work};
+use fpk_sph::{ConditionedSimulation, Config, Correction, Error, Simulation, Work};
 use scene_runs::clock::CpuClock;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
+
+use crate::monte_carlo::monomial;
 
 /// Requested results of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +64,9 @@ pub struct Exceedances {
     pub cell_integrated: Option<f64>,
     /// What that integral rests on, in words, where it is less than particles.
     pub note: Option<String>,
+    /// Its error by the moment equations.
+    #[serde(default)]
+    pub offset: f64,
 }
 
 /// Results at one time.
@@ -71,6 +76,15 @@ pub struct Row {
     pub t: f64,
     /// Raw moments, in the requested order.
     pub moments: Vec<f64>,
+    /// Moments of the absolute values, in the same order: scales of the errors.
+    #[serde(default)]
+    pub scales: Vec<f64>,
+    /// Errors of the moments by the moment equations, in the same order.
+    #[serde(default)]
+    pub offsets: Vec<f64>,
+    /// Relative error of standard deviations by the moment equations.
+    #[serde(default)]
+    pub violation: f64,
     /// Probabilities, in the order of the thresholds.
     pub exceedances: Vec<Exceedances>,
     /// `sum mu_i`.
@@ -147,6 +161,9 @@ pub trait DensitySimulation<S, const D: usize, const M: usize> {
     /// The density.
     fn density(&self) -> &Simulation<S, D, M>;
 
+    /// As [`Simulation::moment_correction`]; none where the moment equations of the states do not close over the particles.
+    fn moment_correction(&self) -> Option<Correction<D>>;
+
     /// As [`Simulation::advance_while`].
     ///
     /// # Errors
@@ -177,6 +194,10 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> DensitySimulation<S, D, M>
         self
     }
 
+    fn moment_correction(&self) -> Option<Correction<D>> {
+        Self::moment_correction(self)
+    }
+
     fn advance_while(
         &mut self,
         time: f64,
@@ -200,6 +221,10 @@ impl<S: Sde<DS, 1, Noise = Additive>, const DS: usize, const DF: usize> DensityS
 {
     fn density(&self) -> &Simulation<S, DS, 1> {
         self.structure()
+    }
+
+    fn moment_correction(&self) -> Option<Correction<DS>> {
+        None
     }
 
     fn advance_while(
@@ -304,7 +329,8 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
         cpu_seconds += start.seconds();
         let is_halted = outcome.is_ok() && simulation.density().time() < t;
         let row = outcome.and_then(|()| {
-            let observed = || observe(simulation.density(), asked, cpu_seconds);
+            let correction = simulation.moment_correction();
+            let observed = || observe(simulation.density(), asked, correction, cpu_seconds);
             (!is_halted).then(observed).transpose()
         });
         match row {
@@ -338,13 +364,22 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
 fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
     simulation: &Simulation<S, D, M>,
     asked: &Requested<D>,
+    correction: Option<Correction<D>>,
     cpu_seconds: f64,
 ) -> Result<Row, Error> {
     let cells = asked.cells.then(|| simulation.cell_integral()).transpose()?;
-    let exceedances = exceedances(simulation, cells.as_ref(), asked)?;
+    let corrected = |x: &[f64; D]| correction.map_or(*x, |correction| correction.of(x));
+    let exceedances = exceedances(simulation, cells.as_ref(), asked, &corrected)?;
+    let moments: Vec<f64> = asked.powers.iter().map(|&it| simulation.raw_moment(it)).collect();
+    let offset = |(moment, &powers): (&f64, &[u32; D])| {
+        moment - simulation.expectation(|x| monomial(powers, &corrected(x)))
+    };
     Ok(Row {
         t: simulation.time(),
-        moments: asked.powers.iter().map(|&powers| simulation.raw_moment(powers)).collect(),
+        offsets: moments.iter().zip(&asked.powers).map(offset).collect(),
+        scales: asked.powers.iter().map(|&it| simulation.absolute_moment(it)).collect(),
+        violation: correction.map_or(0.0, |correction| correction.relative_change()),
+        moments,
         exceedances,
         total_mass: simulation.total_mass(),
         mass_outside: simulation.mass_outside(),
@@ -358,15 +393,19 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
     simulation: &Simulation<S, D, M>,
     cells: Option<&CellIntegral<D>>,
     asked: &Requested<D>,
+    corrected: &dyn Fn(&[f64; D]) -> [f64; D],
 ) -> Result<Vec<Exceedances>, Error> {
     let magnitude = |x: &[f64; D]| asked.demand.magnitude(x);
     let over_cells = cells.map(|cells| cells.exceedances(magnitude, &asked.thresholds));
     let over_cells = over_cells.transpose()?.unwrap_or_default();
     let at = |(k, &threshold): (usize, &f64)| {
         let over_cells = over_cells.get(k);
+        let log_interpolated = simulation.exceedance_log_interpolated(magnitude, threshold)?;
+        let moved = |x: &[f64; D]| magnitude(&corrected(x));
         Ok(Exceedances {
             indicator: simulation.exceedance_indicator(magnitude, threshold)?,
-            log_interpolated: simulation.exceedance_log_interpolated(magnitude, threshold)?,
+            log_interpolated,
+            offset: log_interpolated - simulation.exceedance_log_interpolated(moved, threshold)?,
             cell_integrated: over_cells.map(|over| estimate(over.probability())),
             note: over_cells.and_then(|over| note(over.probability())),
         })

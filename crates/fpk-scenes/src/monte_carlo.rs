@@ -139,7 +139,7 @@ pub(crate) fn sampled_shard<const D: usize>(
     shard(&PathEnsemble { law, config: &config, observables: &observables }, place)
 }
 
-fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {
+pub(crate) fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {
     let power = |base: f64, exponent: u32| (0..exponent).fold(1.0, |product, _| product * base);
     x.iter().zip(powers).map(|(&x, a)| power(x, a)).product()
 }

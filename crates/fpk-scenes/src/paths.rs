@@ -3,7 +3,7 @@
 use random_vibration::{GuidedPaths, Linearisation, TailError, TailPaths};
 use sde_integrators::{
     Additive, EnsembleConfig, Error, EulerMaruyama, GaussianMixture, General, Integrator,
-    Observable, Sde, ShardRecord, Shark, SimdLevel, StrangOscillator, Study,
+    Observable, Sde, ShardRecord, Shark, SimdLevel, StepDifference, StrangOscillator, Study,
 };
 use vibrating_systems::{
     Bistable, BoucWen, CoxIngersollRoss, Duffing, Filtered, GeometricBrownianMotion,
@@ -25,6 +25,14 @@ pub enum PathIntegrator {
 }
 
 impl PathIntegrator {
+    /// Bias of a step over the mean change by half of it, to leading order: `2^p / (2^p - 1)` at the weak order `p`.
+    pub(crate) const fn bias_over_difference(self) -> f64 {
+        match self {
+            Self::EulerMaruyama => 2.0,
+            Self::StrangOscillator | Self::StrangBoucWen | Self::Shark => 4.0 / 3.0,
+        }
+    }
+
     /// Name for output.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -51,6 +59,16 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         ensemble: &PathEnsemble<'_, D>,
         place: (u64, u64),
     ) -> Result<ShardRecord, PathsError>;
+
+    /// What half the step changes, over pairs of paths.
+    ///
+    /// # Errors
+    /// [`PathsError`].
+    fn step_differences(
+        &self,
+        ensemble: &PathEnsemble<'_, D>,
+        n_pairs: u64,
+    ) -> Result<Vec<Vec<StepDifference>>, PathsError>;
 
     /// Paths to a time in a given number of steps, as functions of standard normals.
     ///
@@ -99,10 +117,30 @@ impl<const D: usize> PathEnsemble<'_, D> {
         integrator: &I,
         (shard, n_shards): (u64, u64),
     ) -> Result<ShardRecord, PathsError> {
+        Ok(self.study(system, integrator).shard::<M>(shard, n_shards)?)
+    }
+
+    /// What half the step changes of the observables by an integrator, over pairs of paths.
+    ///
+    /// # Errors
+    /// [`PathsError::Ensemble`].
+    pub fn step_differences<S: Sync + ?Sized, I: Integrator<S, D, M>, const M: usize>(
+        &self,
+        system: &S,
+        integrator: &I,
+        n_pairs: u64,
+    ) -> Result<Vec<Vec<StepDifference>>, PathsError> {
+        Ok(self.study(system, integrator).step_differences::<M>(n_pairs)?)
+    }
+
+    fn study<'s, S: ?Sized, I>(
+        &'s self,
+        system: &'s S,
+        integrator: &'s I,
+    ) -> Study<'s, S, I, GaussianMixture<D>, D> {
         let Self { law, config, observables } = *self;
         let (name, level) = ("", SimdLevel::best());
-        let study = Study { name, system, integrator, law, config, observables, level };
-        Ok(study.shard::<M>(shard, n_shards)?)
+        Study { name, system, integrator, law, config, observables, level }
     }
 }
 
@@ -172,6 +210,15 @@ macro_rules! paths {
             ) -> Result<ShardRecord, PathsError> {
                 let system: &integrated!($how, $system, $noise, $d, $m) = self;
                 ensemble.shard::<_, _, $m>(system, &$integrator, place)
+            }
+
+            fn step_differences(
+                &self,
+                ensemble: &PathEnsemble<'_, $d>,
+                n_pairs: u64,
+            ) -> Result<Vec<Vec<StepDifference>>, PathsError> {
+                let system: &integrated!($how, $system, $noise, $d, $m) = self;
+                ensemble.step_differences::<_, _, $m>(system, &$integrator, n_pairs)
             }
 
             fn tails<'a>(

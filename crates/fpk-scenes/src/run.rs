@@ -6,9 +6,11 @@ mod linearised;
 mod on_grid;
 pub(crate) mod outcome;
 pub(crate) mod probabilities;
+mod resolution_error;
 mod resolutions;
 mod sampled;
 mod shown;
+mod step_bias;
 mod tails;
 #[cfg(test)]
 mod tests;
@@ -40,7 +42,7 @@ use crate::sources::{
     AU_BECK_2001, CANOR_2013, GIRSANOV_1960, MACKE_2003, ROBERTS_1990, SCHARFETTER_1969,
 };
 use crate::system::{FilteredVisitor, System, Visitor};
-use charts::{lines, n_shown};
+use charts::lines;
 use linearised::Linearised;
 use observed::Observed;
 use outcome::{Outcome, Presentation};
@@ -278,7 +280,9 @@ impl FilteredVisitor for Solved<'_> {
         let erased = erased.map_err(RunError::solver)?;
         let period =
             self.system.structure_period().unwrap_or_else(|| self.system.reference_period());
-        self.at_resolutions(period, |config| ConditionedSimulation::new(&erased, &law, config))
+        let period = self.scene.reference_period(period);
+        let start = |config: &Config<DS>| ConditionedSimulation::new(&erased, &law, config);
+        self.at_resolutions(period, deviations(&law), start)
     }
 }
 
@@ -289,14 +293,16 @@ impl Solved<'_> {
         system: &dyn Sde<D, M, Noise = N>,
     ) -> Result<Outcome, RunError> {
         let law: GaussianMixture<D> = self.scene.initial_law(self.system)?;
-        let period = self.system.reference_period();
-        self.at_resolutions(period, |config| Simulation::new(Erased(system), &law, config))
+        let period = self.scene.reference_period(self.system.reference_period());
+        let start = |config: &Config<D>| Simulation::new(Erased(system), &law, config);
+        self.at_resolutions(period, deviations(&law), start)
     }
 
     /// The density of a simulation that `start` returns, at several resolutions.
     fn at_resolutions<S, O, const D: usize, const M: usize>(
         self,
         period: f64,
+        deviations: [f64; D],
         start: impl Fn(&Config<D>) -> Result<O, fpk_sph::Error>,
     ) -> Result<Outcome, RunError>
     where
@@ -306,31 +312,58 @@ impl Solved<'_> {
         let Self { scene, system: named, run, .. } = self;
         let no_cells = no_cells(&scene.method, D);
         let asked = scene.requested::<D>(named, no_cells.is_none())?;
-        let config = |part: f64| scene.method.density_config::<D>(period, part);
-        let Some(whole) = config(1.0) else {
-            return Err(RunError::solver(OtherDimension { states: D }));
-        };
-        run.progress.stage("density");
-        let kept: SavedDensity = self.checkpoint.part("density")?.unwrap_or_default();
-        let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
-        let mut pictures = Pictures::new(scene, named.states(), &whole, run.folder(), seen);
+        let interval = scene.times.every / period;
         let (asked, start) = (&asked, &start);
-        let fine = self
-            .density(
-                "density",
-                Density { start: || start(&whole), asked, past: kept.reached },
-                Some(&mut pictures),
-            )?
-            .map_err(RunError::solver)?;
+        let solve = |part: &str, method: &MethodScene| {
+            let whole = method.density_config::<D>(period, 1.0);
+            let whole = whole.ok_or_else(|| RunError::solver(OtherDimension { states: D }))?;
+            let whole = resolutions::with_steps_of_interval(whole, interval);
+            run.progress.stage(part);
+            let kept: SavedDensity = self.checkpoint.part(part)?.unwrap_or_default();
+            let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());
+            let mut pictures = Pictures::new(scene, named.states(), &whole, run.folder(), seen);
+            let density = Density { start: || start(&whole), asked, past: kept.reached };
+            let fine = self.density(part, density, Some(&mut pictures))?;
+            let fine = fine.map_err(RunError::solver)?;
+            let fine = if method.follows_flow_map() { refused_if_violated(fine) } else { fine };
+            Ok::<_, RunError>((fine, whole, pictures))
+        };
+        let (mut method, mut remeshed) = (scene.method.clone(), None);
+        let (mut fine, mut whole, mut pictures) = solve("density", &method)?;
+        if let Some((error, with_remeshing)) = fine.stopped.as_ref().zip(method.remeshed())
+            && is_folded(error)
+        {
+            let (other, of_other, pictures_of_other) =
+                solve("density, remeshed where it folds", &with_remeshing)?;
+            if other.rows.len() > fine.rows.len() {
+                remeshed = Some(Unknown {
+                    what: "the method as it stands".to_owned(),
+                    reason: format!("{error}; what is shown is the run with `fresh_lattices`"),
+                });
+                (fine, whole, pictures, method) =
+                    (other, of_other, pictures_of_other, with_remeshing);
+            }
+        }
+        let config = |part: f64| method.density_config::<D>(period, part);
         run.progress.stage("density at coarser resolutions, for its error");
-        let both = Resolutions::new(fine, config, |name, config| {
+        let both = Resolutions::new(fine, (config, interval), |name, config| {
             let SavedDensity { reached, .. } = self.checkpoint.part(name)?.unwrap_or_default();
             let density = Density { start: || start(config), asked, past: reached };
             self.density(name, density, None)
         })?;
-        let quantities = series(&both, scene, named);
-        let parts =
-            [no_cells, assumed(scene, named), lost_tail(scene), both.unknown(), both.not_shown()];
+        let outside =
+            |powers: &[u32; D]| whole.lattice.moment_outside(&deviations, powers.iter().sum());
+        let beyond_reach: Vec<f64> = asked.powers.iter().map(outside).collect();
+        let quantities = series(&both, scene, named, &beyond_reach);
+        let lost_tail = if remeshed.is_none() { lost_tail(scene) } else { None };
+        let parts = [
+            no_cells,
+            remeshed,
+            assumed(scene, named),
+            lost_tail,
+            both.unknown(),
+            both.not_shown(),
+        ];
         let unknown = parts.into_iter().flatten().collect();
         let fine = both.fine;
         let (planes, files) = pictures.finish()?;
@@ -349,6 +382,32 @@ impl Solved<'_> {
     }
 }
 
+/// Whether a run on one lattice ended because its flow map is folded or torn.
+const fn is_folded(error: &fpk_sph::Error) -> bool {
+    use fpk_sph::Error;
+    matches!(error, Error::MomentsViolated { .. } | Error::TooMuchUnresolved { .. })
+}
+
+/// Largest relative error of standard deviations, by the moment equations, with which a run goes on: it is an estimate of first order.
+const MOST_VIOLATION: f64 = 0.1;
+
+/// Ends a run before the first time at which the particles violate the moment equations.
+fn refused_if_violated(mut fine: DensityRun) -> DensityRun {
+    let Some(first) = fine.rows.iter().position(|row| row.violation > MOST_VIOLATION) else {
+        return fine;
+    };
+    let Row { t: time, violation: value, .. } = fine.rows[first];
+    fine.rows.truncate(first);
+    fine.stopped = Some(fpk_sph::Error::MomentsViolated { time, value, limit: MOST_VIOLATION });
+    fine
+}
+
+/// Standard deviations of the first states.
+fn deviations<const D: usize, const K: usize>(law: &GaussianMixture<D>) -> [f64; K] {
+    let covariance = law.covariance();
+    std::array::from_fn(|k| covariance[k][k].sqrt())
+}
+
 /// Charts of second moments and probabilities over time.
 fn drawings(
     scene: &FpkScene,
@@ -365,7 +424,9 @@ fn drawings(
         ("moments", "Second moments over time", "second moment", Scale::Linear, moments),
         ("exceedance", "Probability of exceedance over time", &exceeds, Scale::Log, tails),
     ] {
-        lines.retain(|line| n_shown(line) > 0);
+        // A logarithmic scale has no place for zero.
+        let is_drawn = |value: f64| scale == Scale::Linear || value > 0.0;
+        lines.retain(|line| line.points.iter().any(|(_, value)| value.is_some_and(is_drawn)));
         if !lines.is_empty() {
             let words = [title, &scene.title, y_label];
             drawings.push(charts::over_time(name, words, (scale, lines))?);

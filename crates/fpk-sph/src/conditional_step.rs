@@ -274,6 +274,10 @@ impl<const D: usize> Coefficients<D> for Waves<'_, D> {
         self.system.velocity(t, x, score, v);
     }
 
+    fn drift(&self, t: f64, x: &[[f64; D]], drift: &mut Vec<[f64; D]>) {
+        self.system.drift(t, x, drift);
+    }
+
     fn diffusion(&self, t: f64, x: &[[f64; D]], diffusion: &mut Vec<[[f64; D]; D]>) {
         self.system.diffusion(t, x, diffusion);
         for matrix in diffusion {

@@ -111,6 +111,19 @@ pub enum Error {
         /// Unknowns of the fit.
         limit: usize,
     },
+    /// The particles violate the moment equations, so that their density is not that of the system.
+    #[error(
+        "t = {time}: by the moment equations the standard deviations of the particles are off by {value:.2}, relatively; at most {limit} \
+         is allowed: remesh the cloud (`fresh_lattices` in a scene), or take more particles or a larger reach"
+    )]
+    MomentsViolated {
+        /// Time of the observation.
+        time: f64,
+        /// Relative error of the standard deviations.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
     /// Cells that the estimator cannot resolve hold too much of the probability: what it takes for them from their
     /// neighbours is no longer a density.
     #[error(

@@ -36,5 +36,6 @@ pub use score::settling::Settling;
 /// What a system of one's own and its start are written in, from [`sde_integrators`].
 pub use sde_integrators::{Additive, GaussianMixture, General, Sde, SecondOrder};
 pub use simulation::Simulation;
+pub use solver::moment_balance::{Correction, MeanAndCovariance};
 pub use solver::report::{StepReport, Work};
 pub use step::MOST_UNRESOLVED;

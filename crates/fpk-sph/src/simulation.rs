@@ -14,6 +14,7 @@ use crate::parallel::in_pool;
 use crate::scheme::Scheme;
 use crate::score::ScoreEstimator;
 use crate::solver::Solver;
+use crate::solver::moment_balance::{Correction, MeanAndCovariance};
 use crate::solver::report::{StepReport, Work};
 use crate::system::coefficients::OfSystem;
 use vibrating_systems::matrix::Matrix;
@@ -83,6 +84,21 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// Steps, evaluations and neighbour visits so far.
     pub fn work(&self) -> Work {
         self.solver.work()
+    }
+
+    /// Errors of mean and covariance of the particles, from what they violate of the moment equations of the system: the particles'
+    /// less those of the density, propagated by the linear regression of the drift.
+    ///
+    /// It sees what all lattices share, such as what lies beyond their reach and waves that settle. The error of the steps in time
+    /// is not in it.
+    pub fn moment_errors(&self) -> MeanAndCovariance<D> {
+        self.solver.balance.errors
+    }
+
+    /// The affine map that takes [`Self::moment_errors`] out of the particles, to first order: the difference that it makes to a
+    /// quantity estimates its error. None where the particles have no extent along an axis.
+    pub fn moment_correction(&self) -> Option<Correction<D>> {
+        self.solver.balance.errors.correction(self.positions(), self.masses())
     }
 
     /// Number of remeshings so far.

@@ -8,6 +8,7 @@ use crate::score::Unresolved;
 use crate::score::settling::Settling;
 use crate::solver::Solver;
 use crate::solver::evaluation::{Stage, check_finite};
+use crate::solver::moment_balance::carried;
 use crate::solver::report::StepReport;
 use crate::solver::step_length::StepLength;
 use crate::system::coefficients::Coefficients;
@@ -65,7 +66,8 @@ impl<const D: usize> Solver<D> {
         let observed = observe(self, &length, remapped);
         let (dt, t_1) = (length.dt, length.reached);
 
-        let Self { discretisation, state, evaluation, stages, smoothing, .. } = self;
+        let Self { discretisation, state, balance, evaluation, stages, smoothing, .. } = self;
+        balance.step(system, state, &stages.k[0], dt);
         let scheme = discretisation.combination.scheme;
         let t_0 = state.time;
         let begin = Begin {
@@ -83,7 +85,9 @@ impl<const D: usize> Solver<D> {
         // What the estimator does not see would stay for ever: it is taken out at its own rate.
         let part = Settling::part_of_a_step(dt, self.reference_period);
         let [first, .., scratch] = &mut stages.k;
+        let before = carried(&stages.x, &state.masses);
         discretisation.estimator.settle(&mut stages.x, scratch, part);
+        balance.moved(&before, &stages.x, &state.masses);
         check_finite(&stages.x, &[], (state.n_steps, t_1))?;
 
         if scheme == Scheme::LawsonAdamsBashforth2 {

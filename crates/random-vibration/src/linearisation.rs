@@ -122,7 +122,7 @@ impl<const D: usize> Linearisation<D> {
             let mut done = 0.0;
             while done < steps {
                 now.t = from + done * dt;
-                now = closure.stepped(&now, dt)?;
+                now = closure.stepped_within(&now, dt, MOST_HALVINGS)?;
                 done += 1.0;
             }
             now.t = end;
@@ -191,6 +191,23 @@ impl<const D: usize, const M: usize> Closure<'_, D, M> {
         }
         next.t = now.t + dt;
         Ok(next)
+    }
+
+    /// As [`Self::stepped`], in two halves where a stage has no covariance: next to a state that is known, a step that the drift allows
+    /// can be longer than the covariance.
+    fn stepped_within(
+        &self,
+        now: &GaussianLaw<D>,
+        dt: f64,
+        halvings: u32,
+    ) -> Result<GaussianLaw<D>, LinearisationError> {
+        match self.stepped(now, dt) {
+            Err(LinearisationError::NotACovariance { .. }) if halvings > 0 => {
+                let half = self.stepped_within(now, 0.5 * dt, halvings - 1)?;
+                self.stepped_within(&half, 0.5 * dt, halvings - 1)
+            }
+            stepped => stepped,
+        }
     }
 
     /// Rates of change of mean and covariance.
@@ -323,6 +340,9 @@ impl<const D: usize> GaussianLaw<D> {
         moved
     }
 }
+
+/// Halvings of a step until a covariance that stays outside its cone is an error.
+const MOST_HALVINGS: u32 = 12;
 
 /// Limit of the integration of a normal density: 5e-14 of its mass lies beyond.
 pub(crate) const FAR: f64 = 7.5;

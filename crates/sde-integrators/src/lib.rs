@@ -23,6 +23,7 @@ pub use ensembles::rare::{DrivenPath, NormalResponse, SubsetConfig, subset_simul
 pub use ensembles::samples::Samples;
 pub use ensembles::schedule::EnsembleConfig;
 pub use ensembles::shard::{FailedPath, Outcome, ShardRecord, merge, merge_so_far};
+pub use ensembles::step_halving::StepDifference;
 pub use ensembles::tally::Observable;
 pub use error::{Error, StepError};
 pub use estimate::{Accumulator, Estimate, Uncertainty};

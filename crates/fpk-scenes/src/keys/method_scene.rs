@@ -156,6 +156,22 @@ impl MethodScene {
         matches!(self, Self::FlowMapFit(lattice) if lattice.filter == Some(FilterScene::Conditioned))
     }
 
+    /// Whether the density is carried by a flow map.
+    pub(crate) const fn follows_flow_map(&self) -> bool {
+        matches!(self, Self::FlowMapFit(_))
+    }
+
+    /// The flow-map fit with fresh lattices, if it has none.
+    pub(crate) fn remeshed(&self) -> Option<Self> {
+        match self {
+            Self::FlowMapFit(lattice) if lattice.fresh_lattices.is_none() => {
+                let fresh_lattices = Some(FreshLatticesScene::default());
+                Some(Self::FlowMapFit(LatticeScene { fresh_lattices, ..lattice.clone() }))
+            }
+            _ => None,
+        }
+    }
+
     /// Rejects numbers outside their range, lists of another length, and schemes of another system.
     pub(crate) fn check(
         &self,
@@ -187,7 +203,8 @@ impl MethodScene {
                 must(&format!("{path}.support_over_spacing"), ratio, ratio > 0.0, "greater than 0")
             }
             Self::MonteCarlo { paths, step, .. } => {
-                must("method.monte_carlo.paths", *paths as f64, *paths >= 2, "at least 2")?;
+                let path = "method.monte_carlo.paths";
+                must(path, *paths as f64, *paths >= FEWEST_PATHS, "at least 20")?;
                 check_step("method.monte_carlo.step", *step, (system, times))
             }
             Self::ConservativeGrid { .. } => self.check_grid(system),
@@ -269,6 +286,9 @@ fn check_additive(path: &str, system: &System) -> Result<(), Objection> {
     let message = "linearisation needs additive noise; that of this system depends on the state";
     Err(Objection::new(path, message).with_help("use `monte_carlo` or a density method"))
 }
+
+/// Fewest paths: the scatter of fewer says little of a standard error.
+const FEWEST_PATHS: u64 = 20;
 
 /// Fewest steps of a path in a period: with fewer its bias, which no standard error shows, is of the size of the response.
 const FEWEST_PATH_STEPS: f64 = 8.0;

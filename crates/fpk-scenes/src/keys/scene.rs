@@ -93,6 +93,9 @@ pub struct Times {
 /// Largest number of output times of a scene; larger result files are impractical.
 const MOST_TIMES: f64 = 10_000.0;
 
+/// Longest reference time of the steps over the length of a run.
+const MOST_PERIOD: f64 = 10.0;
+
 /// How far a multiple of an interval may be from a whole number of intervals, relatively: decimals in binary.
 const ROUNDOFF: f64 = 1e-9;
 
@@ -224,6 +227,11 @@ impl FpkScene {
             thresholds: self.thresholds.clone(),
             cells,
         })
+    }
+
+    /// The reference time of the steps of a density: that of the system, unless the run ends long before. A system without drift has none.
+    pub(crate) fn reference_period(&self, of_system: f64) -> f64 {
+        of_system.min(MOST_PERIOD * self.times.until)
     }
 
     /// The initial distribution, in the dimension of the system.

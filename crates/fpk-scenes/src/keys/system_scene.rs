@@ -128,6 +128,18 @@ pub enum ShakenScene {
     TwoStorey(TwoStoreyParameters),
 }
 
+impl ShakenScene {
+    const fn window(&self) -> &Window {
+        match self {
+            Self::LinearOscillator(structure) => &structure.window,
+            Self::ViscousDamper(damper) => &damper.structure.window,
+            Self::BoucWen(hysteretic) => &hysteretic.window,
+            Self::Duffing(hardening) => &hardening.structure.window,
+            Self::TwoStorey(frame) => &frame.window,
+        }
+    }
+}
+
 /// Why the system of a scene could not be built: an invalid parameter or list.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -305,6 +317,27 @@ impl SystemScene {
             return false;
         };
         matches!(structure, ShakenScene::Duffing(hardening) if hardening.cubic_stiffness > 0.0)
+    }
+
+    /// Times at which a modulating function has a kink.
+    #[must_use]
+    pub fn kinks(&self) -> Vec<f64> {
+        match self {
+            Self::LinearOscillator(structure) => structure.window.kinks(),
+            Self::ViscousDamper(damper) => damper.structure.window.kinks(),
+            Self::BoucWen(hysteretic) => hysteretic.window.kinks(),
+            Self::Duffing(hardening) => hardening.structure.window.kinks(),
+            Self::TwoStorey(frame) => frame.window.kinks(),
+            Self::VanDerPol { window, .. } => window.kinks(),
+            Self::KanaiTajimi { structure, noise_window, .. }
+            | Self::CloughPenzien { structure, noise_window, .. } => {
+                [structure.window().kinks(), noise_window.kinks()].concat()
+            }
+            Self::OrnsteinUhlenbeck { .. }
+            | Self::Bistable { .. }
+            | Self::CoxIngersollRoss { .. }
+            | Self::GeometricBrownianMotion { .. } => Vec::new(),
+        }
     }
 
     /// The objection for a system error, at the key that it names.

@@ -1,13 +1,14 @@
 //! A density scene by statistical linearisation.
 
-use random_vibration::{GaussianLaw, Linearisation, Quadrature};
+use random_vibration::{GaussianLaw, Linearisation, LinearisationError, Quadrature};
 use scene_runs::answers::Unknown;
 use scene_runs::clock::CpuClock;
 use scene_runs::kind::RunError;
 use sde_integrators::{Additive, Sde};
 
-use super::observed::Observed;
+use super::observed::{Observed, Refinement};
 use super::record::{Content, WorkRecord, asked_series};
+use super::resolution_error::{Orders, StepsOfInterval};
 use crate::paths::Paths;
 use crate::scene::FpkScene;
 use crate::system::{System, Visitor};
@@ -20,8 +21,11 @@ pub(super) struct Linearised<'a> {
     pub(super) step: f64,
 }
 
-/// `2^4 - 1`: the coarser run has twice the step, at order 4.
-const RICHARDSON: f64 = 15.0;
+/// Orders of Runge-Kutta 4, and the ratio of the steps of the coarser runs.
+const ORDERS: Orders = Orders { of_method: 4.0, largest: 4.0 };
+const RATIO: f64 = 2.0;
+/// Steps of an interval between observations with which there are two coarser runs.
+const FEWEST_STEPS: f64 = 4.0;
 
 /// A system that the check of the scene rejects.
 #[derive(Debug, thiserror::Error)]
@@ -46,19 +50,39 @@ impl Linearised<'_> {
         let Self { scene, system: named, step } = self;
         let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
         let order = order(named.kinks());
-        let laws = |step| {
+        // Steps end at kinks of a modulating function, across which they would lose their order.
+        let until = asked.times.last().copied().unwrap_or_default();
+        let kinks = scene.system.kinks().into_iter().filter(|&t| t > 0.0 && t < until);
+        let mut stops: Vec<f64> = kinks.chain(asked.times.iter().copied()).collect();
+        stops.sort_by(f64::total_cmp);
+        stops.dedup();
+        let laws = |step| -> Result<Vec<GaussianLaw<D>>, LinearisationError> {
             let rule = Linearisation { order, step };
-            rule.laws(system, &law, &asked.times).map_err(RunError::solver)
+            let laws = rule.laws(system, &law, &stops)?;
+            let is_asked = |law: &GaussianLaw<D>| asked.times.contains(&law.t);
+            Ok(laws.into_iter().filter(is_asked).collect::<Vec<_>>())
         };
         let clock = CpuClock::start();
-        let fine = laws(step)?;
-        let work = WorkRecord { cpu_seconds: clock.seconds(), ..WorkRecord::default() };
         // A linear system keeps a normal distribution, so the only error is that of Runge-Kutta 4.
         let is_exact = named.is_linear() && law.components().len() == 1;
-        let coarse = if is_exact { laws(2.0 * step)? } else { Vec::new() };
-        let coarser = [(coarse, RICHARDSON)];
+        let every = scene.times.every;
+        let steps = StepsOfInterval::new((every / step).max(FEWEST_STEPS), RATIO);
+        // Of an interval, and not below it by roundoff.
+        let length = |n: u32| every / f64::from(n) * (1.0 + 1e-9);
+        let fine =
+            laws(if is_exact { length(steps.fine) } else { step }).map_err(RunError::solver)?;
+        let work = WorkRecord { cpu_seconds: clock.seconds(), ..WorkRecord::default() };
+        let refinements = if is_exact {
+            let (ratio, next) = steps.ratios();
+            // A coarse run that fails leaves the error unknown, and not the answer.
+            let of = |n: u32| laws(length(n)).unwrap_or_default();
+            let coarsest = steps.coarsest.zip(next).map(|(n, next)| (of(n), next));
+            vec![Refinement { coarse: (of(steps.coarse), ratio), coarsest, orders: ORDERS }]
+        } else {
+            Vec::new()
+        };
         let values = |pick: &dyn Fn(&GaussianLaw<D>) -> f64| {
-            Observed::of_runs(&fine, &coarser, &|law| (law.t, pick(law)))
+            Observed::of_runs(&fine, &refinements, &|law| (law.t, pick(law)))
         };
         let weights = std::array::from_fn(|k| asked.demand.weights[k]);
         let moment = |k: usize| values(&|law| law.raw_moment(asked.powers[k]));

@@ -1,12 +1,14 @@
-//! A density scene on a conservative grid, with two coarser grids for its error.
+//! A density scene on a conservative grid, with coarser grids for its error.
 
+use fpk_sph::InitialLattice;
 use random_vibration::{GridConfig, GridDensity, GridError};
 use scene_runs::answers::Unknown;
 use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Run, RunError};
 
-use super::observed::Observed;
+use super::observed::{Observed, Refinement};
 use super::record::{Content, WorkRecord, asked_series, progress_words};
+use super::resolution_error::{Orders, StepsOfInterval};
 use crate::scene::{FpkScene, OtherDimension};
 use crate::system::System;
 
@@ -17,7 +19,7 @@ struct Row {
     exceedances: Vec<f64>,
 }
 
-/// Runs the grid of the scene, and two that are coarser by a factor of sqrt(2).
+/// Runs the grid of the scene, and those that are coarser in steps and in cells.
 pub(super) fn solve(
     scene: &FpkScene,
     system: &System,
@@ -43,29 +45,58 @@ pub(super) fn solve(
     };
     run.progress.stage("conservative grid");
     let clock = CpuClock::start();
-    let (fine, steps) = follow(config).map_err(RunError::solver)?;
+    let every = scene.times.every;
+    let pairs = StepsOfInterval::new(0.5 * every * config.steps_per_period / config.period, RATIO);
+    let config = config.with_pairs(pairs.fine, every);
+    let (fine, steps) = follow(&config).map_err(RunError::solver)?;
     let work =
         WorkRecord { steps: Some(steps), cpu_seconds: clock.seconds(), ..WorkRecord::default() };
-    let (mut coarser_runs, mut failed) = (Vec::new(), Vec::new());
-    for (config, divisor, what) in coarser(config) {
+    let mut failed = Vec::new();
+    let mut coarser = |config: &GridConfig, what: &str| {
         run.progress.stage(&format!("grid coarser {what}, for its error"));
-        match follow(&config) {
-            Ok((rows, _)) => coarser_runs.push((rows, divisor)),
-            Err(error) => {
-                failed.push(format!("coarser {what}: {error}"));
-                coarser_runs.push((Vec::new(), divisor));
-            }
-        }
-    }
+        let rows = follow(config).map(|(rows, _)| rows);
+        rows.unwrap_or_else(|error| {
+            failed.push(format!("coarser {what}: {error}"));
+            Vec::new()
+        })
+    };
+    let (ratio, next) = pairs.ratios();
+    let coarse = (coarser(&config.with_pairs(pairs.coarse, every), "in steps"), ratio);
+    // One that is too coarse for the scheme is left out.
+    let coarsest = pairs.coarsest.zip(next).and_then(|(n, next)| {
+        let config = config.with_pairs(n, every);
+        let is_admitted = config.steps_per_period >= FEWEST_STEPS_OF_COARSEST;
+        is_admitted.then(|| (coarser(&config, "twice in steps"), next))
+    });
+    let of_steps = Refinement { coarse, coarsest, orders: Orders { of_method: 2.0, largest: 4.0 } };
+    let (coarse, ratio) = config.with_fewer_cells();
+    let (coarsest, next) = coarse.with_fewer_cells();
+    let of_cells = Refinement {
+        coarse: (coarser(&coarse, "in cells"), ratio),
+        coarsest: (coarsest.cells >= FEWEST_CELLS_OF_COARSEST)
+            .then(|| (coarser(&coarsest, "twice in cells"), next)),
+        orders: Orders { of_method: 3.0, largest: 5.0 },
+    };
+    let refinements = [of_steps, of_cells];
     let values = |pick: &dyn Fn(&Row) -> f64| {
-        Observed::of_runs(&fine, &coarser_runs, &|row| (row.t, pick(row)))
+        Observed::of_runs(&fine, &refinements, &|row| (row.t, pick(row)))
     };
     let exceedance = |k: usize| {
         let beyond = "no mass of the grid is beyond the threshold";
         let values = values(&|row| row.exceedances[k]).into_iter();
         values.map(|observed| observed.without_zero_error(beyond)).collect()
     };
-    let quantities = asked_series(scene, system, &|k| values(&|row| row.moments[k]), &exceedance);
+    let moment = |k: usize| {
+        let outside = beyond_reach(config.reach, asked.powers[k]);
+        let values = values(&|row| row.moments[k]).into_iter();
+        values
+            .map(|mut observed| {
+                observed.add_error(Some(outside * observed.value.abs()));
+                observed
+            })
+            .collect()
+    };
+    let quantities = asked_series(scene, system, &moment, &exceedance);
     let unknown = (!failed.is_empty()).then(|| Unknown {
         what: "errors of all quantities".to_owned(),
         reason: format!(
@@ -76,19 +107,39 @@ pub(super) fn solve(
     Ok(Content { work, unknown: unknown.into_iter().collect(), quantities, ..Content::default() })
 }
 
-/// A grid with fewer cells and one with fewer steps, and the divisors of their differences.
-///
-/// The divisors follow from Richardson's estimate at order 2 of the splitting in time and order 3 of the remapping, as
-/// observed for the damper. A grid coarser in both at once lets the two errors cancel: for the damper the difference
-/// was 8e-5 for an error of 9e-4.
-fn coarser(config: &GridConfig) -> [(GridConfig, f64, &'static str); 2] {
-    let part = config.cells as f64 * std::f64::consts::FRAC_1_SQRT_2;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "fewer than cells")]
-    let cells = part.round() as usize;
-    let ratio = config.cells as f64 / cells as f64;
-    let steps_per_period = config.steps_per_period / ratio;
-    [
-        (GridConfig { cells, ..*config }, ratio.powi(3) - 1.0, "in cells"),
-        (GridConfig { steps_per_period, ..*config }, ratio.powi(2) - 1.0, "in steps"),
-    ]
+/// Part of a moment that a normal distribution has beyond the grid.
+fn beyond_reach(reach: f64, powers: [u32; 2]) -> f64 {
+    let grid = InitialLattice::Box { reach, count: [3; 2] };
+    grid.moment_outside(&[1.0; 2], powers.iter().sum())
+}
+
+/// Ratio of the resolutions of the coarser runs. A grid coarser in cells and steps at once lets the two errors cancel: for the damper the
+/// difference was 8e-5 for an error of 9e-4.
+const RATIO: f64 = std::f64::consts::SQRT_2;
+/// Limits of the grid, below which a second coarser run is left out.
+const FEWEST_STEPS_OF_COARSEST: f64 = 4.0;
+const FEWEST_CELLS_OF_COARSEST: usize = 16;
+
+/// Coarser grids.
+trait Coarsened {
+    /// With as many pairs of steps in an interval between observations.
+    fn with_pairs(&self, n: u32, every: f64) -> Self;
+    /// With fewer cells, and the ratio of the numbers of cells.
+    fn with_fewer_cells(&self) -> (GridConfig, f64);
+}
+
+impl Coarsened for GridConfig {
+    fn with_pairs(&self, n: u32, every: f64) -> Self {
+        Self { steps_per_period: 2.0 * f64::from(n) * self.period / every, ..*self }
+    }
+
+    fn with_fewer_cells(&self) -> (GridConfig, f64) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "fewer than cells"
+        )]
+        let cells = (self.cells as f64 / RATIO).round() as usize;
+        (Self { cells, ..*self }, self.cells as f64 / cells as f64)
+    }
 }

@@ -54,13 +54,25 @@ impl Outcome {
         }
         let answers = answers::answers(&content.quantities, &content.work);
         let solved = Completed::here(run, answers, || {
-            let mut drawings = charts(&content.quantities)?;
-            for plane in &planes {
-                drawings.push(plane.drawing()?);
+            // A picture that cannot be drawn is no reason to lose an answer.
+            let (mut drawings, mut absent) = (Vec::new(), Vec::new());
+            let planes_drawn = planes.iter().map(PlaneAt::drawing);
+            let drawn = charts(&content.quantities).map(|charts| charts.into_iter().map(Ok));
+            match drawn {
+                Ok(charts) => {
+                    for drawing in charts.chain(planes_drawn) {
+                        match drawing {
+                            Ok(drawing) => drawings.push(drawing),
+                            Err(error) => absent.push(format!("A picture is missing: {error}.")),
+                        }
+                    }
+                }
+                Err(error) => absent.push(format!("The charts are missing: {error}.")),
             }
             let motions = motion::motions(&planes);
             let mut report = findings::report(&content, shown.method, shown.sources);
             report.absent.extend(shown.absent.map(str::to_owned));
+            report.absent.extend(absent);
             let result = ResultFile::new("run-result/1", shown.scene, &content)?;
             Ok(Output { result, files, drawings, motions, report })
         })?;

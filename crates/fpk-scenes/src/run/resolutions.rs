@@ -4,6 +4,7 @@ use fpk_sph::{Combination, Config, Error, InitialLattice, Method, StepRule};
 use scene_runs::answers::Unknown;
 
 use super::observed::Observed;
+use super::resolution_error::{self, Orders, StepsOfInterval, error_of_finest};
 use crate::density::{DensityRun, Row};
 
 /// Resolutions of the coarser runs, as particles along a length relative to the fine run.
@@ -12,8 +13,8 @@ use crate::density::{DensityRun, Row};
 /// longer resolves the density.
 const COARSER: [f64; 3] = [std::f64::consts::FRAC_1_SQRT_2, 0.8, 0.9];
 
-/// Largest order of the error in the spacing: that of the cubic fit.
-const MOST_ORDER: i32 = 4;
+/// Orders of the error in the spacing: the one that the verification measures, and that of the cubic fit.
+const ORDERS: Orders = Orders { of_method: 2.0, largest: 4.0 };
 
 /// A fine run, and the coarser runs for its error.
 pub(super) struct Resolutions {
@@ -52,15 +53,15 @@ impl Resolutions {
     /// coarser by the same ratio. In four states and more, where lattices are coarse, the flow-map fit also runs with settling half
     /// as fast ([`Config::with_slower_settling`]).
     ///
-    /// The argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
-    /// The steps of a coarser run are longer too ([`with_longer_steps`]). A failure of a coarser run does not count against
+    /// The first argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
+    /// `interval` is that between observations in reference periods. The steps of a coarser run are longer too ([`with_longer_steps`]). A failure of a coarser run does not count against
     /// the fine one.
     ///
     /// # Errors
     /// Errors of `solve` that are not errors of the solver.
     pub(super) fn new<E, const D: usize>(
         fine: DensityRun,
-        config: impl Fn(f64) -> Option<Config<D>>,
+        (config, interval): (impl Fn(f64) -> Option<Config<D>>, f64),
         solve: impl Fn(&str, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
     ) -> Result<Self, E> {
         let (mut coarser, mut failed) = (Vec::new(), Vec::new());
@@ -70,7 +71,7 @@ impl Resolutions {
         let at = |part: f64| {
             let config = config(part)?;
             let ratio = resolution / per_length(&config.lattice);
-            Some((with_longer_steps(config, part), ratio))
+            Some((with_longer_steps(config, part, interval), ratio))
         };
         let name_of = |part: f64| format!("density at {part:.3} of the resolution");
         for part in COARSER {
@@ -171,12 +172,8 @@ impl Resolutions {
         Some(Unknown { what, reason })
     }
 
-    /// The fine value with Richardson's error estimate and that of settling where a run shows it, as independent parts.
-    ///
-    /// The first is `|fine - coarse| / (r^2 - 1)`, with `r` the ratio of the spacings, at the order 2 that the verification
-    /// measures (Roache 1994). It is at least `|coarse - coarsest| / (s^2 - 1) / r^4`, with `s` the ratio of their spacings: the
-    /// error of the coarse run decreases with order 4 at most, so a smaller difference is a change of sign. The second is `2 |coarse - slow| / r^2`, of the coarse run and the
-    /// same with settling half as fast.
+    /// The fine value with the error by coarser runs ([`error_of_finest`]) and that of settling where a run shows it, as independent
+    /// parts. The second is `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {
             let value = pick(row)?;
@@ -185,17 +182,16 @@ impl Resolutions {
                 let square = coarser.ratio * coarser.ratio;
                 let slow = coarser.slower.as_ref().and_then(|slow| pick(slow.at(row.t)?));
                 let settling = slow.map_or(0.0, |slow| 2.0 * (coarse - slow).abs() / square);
-                let coarsest = coarser.coarsest.as_ref();
-                let error_of_coarse = coarsest.and_then(|(run, ratio)| {
-                    Some((coarse - pick(run.at(row.t)?)?).abs() / (ratio * ratio - 1.0))
+                let coarsest = coarser.coarsest.as_ref().and_then(|(run, ratio)| {
+                    Some(resolution_error::Coarser { value: pick(run.at(row.t)?)?, ratio: *ratio })
                 });
-                let least = error_of_coarse.unwrap_or(0.0) / coarser.ratio.powi(MOST_ORDER);
-                let error = ((value - coarse).abs() / (square - 1.0)).max(least).hypot(settling);
+                let coarse = resolution_error::Coarser { value: coarse, ratio: coarser.ratio };
+                let error = error_of_finest(value, coarse, coarsest, ORDERS).hypot(settling);
                 error.is_finite().then_some(error)
             };
             Some(Observed::by_two(row.t, value, self.coarser.iter().find_map(estimate)))
         };
-        self.fine.rows.iter().filter_map(observed).collect()
+        Observed::without_sign_changes(self.fine.rows.iter().filter_map(observed).collect())
     }
 }
 
@@ -210,13 +206,32 @@ fn slower_of<const D: usize>(config: &Config<D>) -> Option<Config<D>> {
 /// The configuration with steps longer by the square of the ratio of the spacings, where the rule is a fraction of the period.
 ///
 /// An error of first order in the step then falls like one of second order in the spacing, which the estimate assumes; one
-/// of a higher order is overestimated. The diffusion limit and the Courant rule follow the spacing by themselves.
-fn with_longer_steps<const D: usize>(config: Config<D>, part: f64) -> Config<D> {
+/// of a higher order is overestimated. The diffusion limit and the Courant rule follow the spacing by themselves. An interval between
+/// observations has fewer steps in any case, so that the two runs differ.
+fn with_longer_steps<const D: usize>(config: Config<D>, part: f64, interval: f64) -> Config<D> {
+    with_steps(config, |steps_per_period| {
+        let steps = StepsOfInterval::new(steps_per_period * interval, 1.0 / (part * part));
+        f64::from(steps.coarse) / interval
+    })
+}
+
+/// The configuration with a whole number of steps in an interval between observations, two at least, so that a coarser run has fewer.
+pub(super) fn with_steps_of_interval<const D: usize>(
+    config: Config<D>,
+    interval: f64,
+) -> Config<D> {
+    with_steps(config, |steps_per_period| {
+        f64::from(StepsOfInterval::new(steps_per_period * interval, 2.0).fine) / interval
+    })
+}
+
+/// The configuration with other steps, where the rule is a fraction of the period.
+fn with_steps<const D: usize>(config: Config<D>, steps: impl Fn(f64) -> f64) -> Config<D> {
     let combination = config.method.combination_in(D);
     let StepRule::PeriodFraction { steps_per_period } = combination.step else {
         return config;
     };
-    let step = StepRule::PeriodFraction { steps_per_period: part * part * steps_per_period };
+    let step = StepRule::PeriodFraction { steps_per_period: steps(steps_per_period) };
     Config { method: Method::Custom(Combination { step, ..combination }), ..config }
 }
 
@@ -242,6 +257,9 @@ mod tests {
         let row = |&t: &f64| Row {
             t,
             moments: vec![moment],
+            scales: vec![moment.abs()],
+            offsets: vec![0.0],
+            violation: 0.0,
             exceedances: Vec::new(),
             total_mass: 1.0,
             mass_outside: 0.0,
@@ -290,7 +308,7 @@ mod tests {
 
     fn of(solve: impl Fn(&Config<2>) -> Result<DensityRun, Error>) -> Resolutions {
         let solve = |_: &str, config: &Config<2>| Ok::<_, std::convert::Infallible>(solve(config));
-        Resolutions::new(run(1.1, &[1.0, 2.0]), config, solve).unwrap()
+        Resolutions::new(run(1.1, &[1.0, 2.0]), (config, 1.0), solve).unwrap()
     }
 
     #[test]
@@ -318,7 +336,7 @@ mod tests {
         let error_of = |order: i32| {
             // The value at the step s is 1 + s^order; the spacing has no error.
             let fine = step(&config(1.0).unwrap()).powi(order);
-            let both = Resolutions::new(run(1.0 + fine, &[1.0]), config, |_, config| {
+            let both = Resolutions::new(run(1.0 + fine, &[1.0]), (config, 1.0), |_, config| {
                 let value = 1.0 + step(config).powi(order);
                 Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
             });
@@ -330,7 +348,7 @@ mod tests {
     }
 
     fn in_four_states(method: Method, slow: f64) -> Resolutions {
-        Resolutions::new(run(1.0, &[1.0]), ball::<4>(method), |name, _| {
+        Resolutions::new(run(1.0, &[1.0]), (ball::<4>(method), 1.0), |name, _| {
             let value = if name.contains("half as fast") { slow } else { 1.1 };
             Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
         })
@@ -354,7 +372,7 @@ mod tests {
     #[test]
     fn a_run_that_would_show_settling_and_stopped_is_said_to_be_missing() {
         let four = ball::<4>(Method::FlowMapFit);
-        let both = Resolutions::new(run(1.0, &[1.0, 2.0]), four, |name, _| {
+        let both = Resolutions::new(run(1.0, &[1.0, 2.0]), (four, 1.0), |name, _| {
             Ok::<_, std::convert::Infallible>(if name.contains("half as fast") {
                 Err(Error::NotPositive { name: "a name", value: 0.0 })
             } else {

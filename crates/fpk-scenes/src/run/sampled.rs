@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use result_figures::number::with_uncertainty;
+use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Computed, Cut, Ensemble, EnsemblePart, Inputs, Items, Run, RunError};
-use sde_integrators::{Estimate, ShardRecord, merge, merge_so_far};
+use sde_integrators::{Estimate, GaussianMixture, ShardRecord, merge, merge_so_far};
 
 use super::observed::Observed;
 use super::record::{Content, WorkRecord, asked_series, moment_words};
+use super::step_bias::StepBias;
 use crate::density::Requested;
 use crate::monte_carlo::{SampledRow, SampledRun, Sampling, Shard, sampled_shard};
 use crate::paths::{Paths, PathsError};
@@ -29,18 +31,27 @@ const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
 /// It takes a quarter of a second for the damper, long compared with the step tables made for each block.
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
 
+/// Measures the bias of the steps; all other code is compiled once for each number of states.
+type BiasOf<'a, const D: usize> =
+    &'a dyn Fn(&GaussianMixture<D>, &Requested<D>) -> Result<StepBias, PathsError>;
+
 impl Visitor for Sampled<'_> {
     type Output = Result<Computed<Content>, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        self.sampled::<D>(&|paths, place| system.shard(paths, place))
+        let bias = |law: &_, asked: &_| StepBias::measured(system, law, &self.sampling, asked);
+        self.sampled::<D>(&|paths, place| system.shard(paths, place), &bias)
     }
 }
 
 impl Sampled<'_> {
     /// Runs the ensemble; `shard` runs a part of it.
-    fn sampled<const D: usize>(self, shard: Shard<'_, D>) -> Result<Computed<Content>, RunError> {
-        let Self { scene, system: named, ref sampling, run } = self;
+    fn sampled<const D: usize>(
+        &self,
+        shard: Shard<'_, D>,
+        bias: BiasOf<'_, D>,
+    ) -> Result<Computed<Content>, RunError> {
+        let &Self { scene, system: named, ref sampling, run } = self;
         let inputs = &Inputs { scene, seed: Some(sampling.seed), files: &[] };
         let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
         // A separate shard is a whole number of the shards that are run in sequence.
@@ -66,17 +77,29 @@ impl Sampled<'_> {
         };
         let merged = merge(&list).and_then(|all| all.ensemble()).map_err(PathsError::from)?;
         let ensemble = SampledRun::of(&asked, &merged, cpu_seconds)?;
+        run.progress.stage("pairs of paths with half the step, for its bias");
+        let clock = CpuClock::start();
+        let bias = bias(&law, &asked)?;
+        let cpu_seconds = ensemble.cpu_seconds + clock.seconds();
         let work = WorkRecord {
             path_steps: u64::try_from(ensemble.path_steps).ok(),
-            cpu_seconds: ensemble.cpu_seconds,
+            cpu_seconds,
             ..WorkRecord::default()
         };
         let values = |pick: &dyn Fn(&SampledRow) -> &Estimate| -> Vec<Observed> {
             let observed = |row: &SampledRow| Observed::of_estimate(row.t, pick(row));
             ensemble.rows.iter().map(observed).collect()
         };
-        let moment = |k: usize| values(&|row| &row.moments[k]);
-        let exceedance = |k: usize| values(&|row| &row.exceedances[k]);
+        let moment = |k: usize| {
+            let mut values = values(&|row| &row.moments[k]);
+            values.iter_mut().for_each(|observed| bias.add_to_moment(k, observed));
+            values
+        };
+        let exceedance = |k: usize| {
+            let mut values = values(&|row| &row.exceedances[k]);
+            values.iter_mut().for_each(|observed| bias.add_to_probability(observed));
+            values
+        };
         let quantities = asked_series(scene, named, &moment, &exceedance);
         let content = Content { seed: Some(sampling.seed), work, quantities, ..Content::default() };
         Ok(Computed::Here(content))

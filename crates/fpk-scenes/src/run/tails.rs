@@ -12,7 +12,9 @@ use super::linearised::order;
 use super::observed::Observed;
 use super::probabilities::{Probabilities, UNGUIDED};
 use super::record::{Content, Probability};
+use super::step_bias::StepBias;
 use crate::density::Requested;
+use crate::monte_carlo::Sampling;
 use crate::paths::{Paths, PathsError};
 use crate::scene::FpkScene;
 use crate::system::{System, Visitor};
@@ -46,6 +48,9 @@ impl Estimator {
     }
 }
 
+/// Paths for which the bias of the steps is measured: the number of pairs is a part of it.
+const PATHS_OF_BIAS: u64 = 8_000;
+
 /// Steps of the linearisation that guides the paths, per period.
 const STEPS_OF_GUIDE: f64 = 20.0;
 
@@ -57,20 +62,29 @@ impl Visitor for TailsOf<'_> {
     type Output = Result<Computed<Content>, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let samples = match self.how {
-            Estimator::Guided { samples } => samples,
-            Estimator::Subset { config } => {
-                return self.subset::<D>(&config, &|law, span, weights| {
-                    Ok(system.tails(law, span)?.with_demand(weights))
-                });
+        let law = self.scene.initial_law::<D>(self.system)?;
+        let asked = self.scene.requested::<D>(self.system, false)?;
+        let sampling = Sampling { paths: PATHS_OF_BIAS, step: self.step, seed: self.seed };
+        let bias = StepBias::measured(system, &law, &sampling, &asked)?;
+        let found = match self.how {
+            Estimator::Guided { samples } => {
+                let order = order(self.system.kinks());
+                let step = self.system.reference_period() / STEPS_OF_GUIDE;
+                let rule = Linearisation { order, step };
+                self.guided::<D>(samples, &|law, span, weights| {
+                    let paths = system.guided(law, span, &rule)?;
+                    Ok(paths.with_demand(weights)?)
+                })
             }
-        };
-        let order = order(self.system.kinks());
-        let rule = Linearisation { order, step: self.system.reference_period() / STEPS_OF_GUIDE };
-        self.guided::<D>(samples, &|law, span, weights| {
-            let paths = system.guided(law, span, &rule)?;
-            Ok(paths.with_demand(weights)?)
-        })
+            Estimator::Subset { config } => self.subset::<D>(&config, &|law, span, weights| {
+                Ok(system.tails(law, span)?.with_demand(weights))
+            }),
+        }?;
+        Ok(found.map(|mut content| {
+            let all = content.quantities.iter_mut().flat_map(|series| &mut series.values);
+            all.for_each(|observed| bias.add_to_probability(observed));
+            content
+        }))
     }
 }
 

@@ -11,13 +11,12 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
     /// `E[x_1^a_1 .. x_D^a_D] = sum_i mu_i prod_k x_ik^a_k` (Canor & Denoël 2013, eq 22, where `psi_i dV_i` is `mu_i` by
     /// definition). It is not divided by the total mass.
     pub fn raw_moment(&self, powers: [u32; D]) -> f64 {
-        let monomial = |x: &[f64; D]| -> f64 {
-            x.iter()
-                .zip(&powers)
-                .map(|(x_k, &a)| x_k.powi(i32::try_from(a).unwrap_or(i32::MAX)))
-                .product()
-        };
-        self.expectation(monomial)
+        self.expectation(|x| monomial(x, powers))
+    }
+
+    /// `sum_i mu_i prod_k |x_ik|^a_k`: the scale of the error of a moment whose terms cancel.
+    pub fn absolute_moment(&self, powers: [u32; D]) -> f64 {
+        self.expectation(|x| monomial(x, powers).abs())
     }
 
     /// `E[f(x)] = sum_i mu_i f(x_i)`.
@@ -92,6 +91,11 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Simulation<S, D, M> {
         let particles = self.positions().iter().map(demand).zip(self.masses().iter().copied());
         log_interpolated(particles.collect(), threshold)
     }
+}
+
+fn monomial<const D: usize>(x: &[f64; D], powers: [u32; D]) -> f64 {
+    let power = |(x_k, a): (&f64, u32)| x_k.powi(i32::try_from(a).unwrap_or(i32::MAX));
+    x.iter().zip(powers).map(power).product()
 }
 
 fn density<const D: usize>(solver: &Solver<D>) -> Result<Vec<f64>, Error> {

@@ -48,7 +48,7 @@ impl<const D: usize> FreshLattice<D> {
         let mut fresh = Self::of_cells(&cells);
         for _ in 0..MOST_PASSES {
             let before = fresh.indices.len();
-            extend(&mut cells, least, departure);
+            extend(&mut cells, least, departure, remapping.most_particles);
             let kept = cells.iter().filter(|(_, cell)| cell.mass >= least);
             let kept: BTreeMap<[i32; D], Cell> = kept.map(|(&k, &cell)| (k, cell)).collect();
             let (count, limit) = (kept.len(), remapping.most_particles);
@@ -93,11 +93,13 @@ fn beside<const D: usize>(index: &[i32; D]) -> impl Iterator<Item = [i32; D]> {
     })
 }
 
-/// Evaluates the cells that contain a particle, and those adjacent to every cell that carries `least`.
+/// Evaluates the cells that contain a particle, and those adjacent to every cell that carries `least`, until more than `most` carry
+/// it: a density that is extrapolated without falling off has no end.
 fn extend<const D: usize>(
     cells: &mut BTreeMap<[i32; D], Cell>,
     least: f64,
     departure: &Departure<'_, D>,
+    most: usize,
 ) {
     let spacing = departure.spacing();
     let cell_volume = (0..D).fold(1.0, |volume, _| volume * spacing);
@@ -109,7 +111,7 @@ fn extend<const D: usize>(
         }
         let fresh: Vec<[i32; D]> =
             fresh.into_iter().filter(|index| !cells.contains_key(index)).collect();
-        if fresh.is_empty() {
+        if fresh.is_empty() || cells.values().filter(|cell| cell.mass >= least).count() > most {
             return;
         }
         let mut found = vec![Cell { mass: 0.0, beyond: true }; fresh.len()];

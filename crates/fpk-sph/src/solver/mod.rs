@@ -6,6 +6,7 @@
 
 pub(crate) mod discretisation;
 pub(crate) mod evaluation;
+pub(crate) mod moment_balance;
 pub(crate) mod report;
 mod snapshot;
 pub(crate) mod step_length;
@@ -14,6 +15,7 @@ use sde_integrators::GaussianMixture;
 
 use self::discretisation::Discretisation;
 use self::evaluation::Evaluation;
+use self::moment_balance::MomentBalance;
 use self::report::Work;
 use crate::cloud::lattice::ParticleLattice;
 use crate::cloud::start::{Start, initial_spacing};
@@ -35,6 +37,7 @@ pub(crate) struct Solver<const D: usize> {
     /// Particles at the start.
     pub(crate) n_start: usize,
     pub(crate) state: State<D>,
+    pub(crate) balance: MomentBalance<D>,
     pub(crate) evaluation: Evaluation<D>,
     pub(crate) stages: Stages<D>,
     /// Volumes at the first stage of a step, and what follows from them.
@@ -59,6 +62,8 @@ impl<const D: usize> Solver<D> {
         let n = start.positions.len();
         let h = combination.support_over_spacing * spacing / estimator.support();
         let lattice = ParticleLattice::default();
+        let of_law = (law.mean(), law.covariance());
+        let balance = MomentBalance::new(of_law, &start.positions, &start.masses);
         let mut solver = Self {
             discretisation: Discretisation { estimator, combination, lattice },
             reference_period: config.reference_period,
@@ -76,6 +81,7 @@ impl<const D: usize> Solver<D> {
                 smoothing_ratios: vec![0.0; n],
                 previous: None,
             },
+            balance,
             evaluation: Evaluation::new(n),
             stages: Stages::new(n),
             smoothing: Smoothing::new(n),

@@ -32,6 +32,9 @@ impl<const D: usize> Solver<D> {
             store.add(name, values.clone())?;
             store.set_attribute("previous_dt", Attribute::Real(*dt));
         }
+        for (name, value) in self.balance.errors.named() {
+            store.set_attribute(&name, Attribute::Real(*value));
+        }
         store.set_attribute("n_remaps", Attribute::Count(state.n_remaps));
         store.set_attribute("n_start", Attribute::Count(self.n_start as u64));
         Ok(store)
@@ -54,6 +57,12 @@ impl<const D: usize> Solver<D> {
             self.discretisation.lay(ParticleLattice::new(indices, lattice.spacing))?;
         }
         self.state = state;
+        for (name, value) in self.balance.errors.named_mut() {
+            // A snapshot of an earlier version has none: what went before is then unknown, and counts from here.
+            if let Some(Attribute::Real(saved)) = store.attribute(&name) {
+                *value = saved;
+            }
+        }
         self.resize_buffers();
         Ok(())
     }

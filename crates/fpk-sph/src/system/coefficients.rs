@@ -12,6 +12,9 @@ pub(crate) trait Coefficients<const D: usize>: Sync {
     /// have an entry per particle, in the units of the state.
     fn velocity(&self, t: f64, x: &[[f64; D]], score: &[[f64; D]], v: &mut [[f64; D]]);
 
+    /// `f` at every particle, the drift in Itô's sense.
+    fn drift(&self, t: f64, x: &[[f64; D]], drift: &mut Vec<[f64; D]>);
+
     /// `D` at every particle; a single entry for all where the noise is additive.
     fn diffusion(&self, t: f64, x: &[[f64; D]], diffusion: &mut Vec<[[f64; D]; D]>);
 
@@ -102,6 +105,11 @@ impl<S: Sde<D, M>, const D: usize, const M: usize> Coefficients<D> for OfSystem<
                 }
             },
         );
+    }
+
+    fn drift(&self, t: f64, x: &[[f64; D]], drift: &mut Vec<[f64; D]>) {
+        drift.clear();
+        drift.extend(x.iter().map(|x| self.0.drift(t, x)));
     }
 
     fn diffusion(&self, t: f64, x: &[[f64; D]], diffusion: &mut Vec<[[f64; D]; D]>) {

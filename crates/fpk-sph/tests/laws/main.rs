@@ -11,6 +11,7 @@ mod fixtures;
 mod flow_map;
 mod limits;
 mod method;
+mod moment_balance;
 mod observables;
 mod reach;
 mod remapping;

@@ -13,4 +13,5 @@ pub(crate) mod rare;
 pub(crate) mod samples;
 pub(crate) mod schedule;
 pub(crate) mod shard;
+pub(crate) mod step_halving;
 pub(crate) mod tally;

@@ -15,5 +15,6 @@ mod moments;
 mod noise;
 mod passages;
 mod stability;
+mod step_halving;
 mod studies;
 mod system;

@@ -119,6 +119,16 @@ impl Window {
         decay_start: 6.0,
     };
 
+    /// Times at which it has a kink: a step across one loses its order.
+    #[must_use]
+    pub fn kinks(&self) -> Vec<f64> {
+        match self {
+            Self::Stationary | Self::SinglePeak { .. } => Vec::new(),
+            Self::RisePlateauDecay { rise_end, decay_start, .. } => vec![*rise_end, *decay_start],
+            Self::Tabulated(table) => table.rows.iter().map(|row| row[0]).collect(),
+        }
+    }
+
     /// Refuses parameters outside their range.
     ///
     /// # Errors

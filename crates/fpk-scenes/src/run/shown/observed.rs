@@ -5,6 +5,8 @@ use scene_runs::answers::{ErrorOrigin, Number};
 use sde_integrators::Estimate;
 use serde::Serialize;
 
+use super::super::resolution_error::{Coarser, Orders, error_of_finest};
+
 /// A quantity at a time, with its error.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Observed {
@@ -43,6 +45,13 @@ impl WeightsRecord {
     }
 }
 
+/// Runs that are coarser in one respect, with the ratios of their resolutions.
+pub(crate) struct Refinement<R> {
+    pub(crate) coarse: (Vec<R>, f64),
+    pub(crate) coarsest: Option<(Vec<R>, f64)>,
+    pub(crate) orders: Orders,
+}
+
 impl Observed {
     /// A value with its error from a coarser run, if there was one.
     pub(crate) fn by_two(t: f64, value: f64, error: Option<f64>) -> Self {
@@ -52,23 +61,47 @@ impl Observed {
         Self { t, value, error, error_kind, note: None, weights: None }
     }
 
-    /// Results of a fine run with errors from the coarser runs.
-    ///
-    /// The error is the sum of `|fine - coarse| / divisor` over the coarser runs, each with its divisor, where all of
-    /// them reached the time. `pick` selects time and value.
+    /// Results of a fine run with errors from the coarser runs: the sum over the refinements, where all of them reached the time.
+    /// `pick` selects time and value.
     pub(crate) fn of_runs<R>(
         fine: &[R],
-        coarser: &[(Vec<R>, f64)],
+        refinements: &[Refinement<R>],
         pick: &dyn Fn(&R) -> (f64, f64),
     ) -> Vec<Self> {
         let observed = |(k, row)| {
             let (t, value) = pick(row);
-            let off = |(run, divisor): &(Vec<R>, f64)| {
-                Some((value - pick(run.get(k)?).1).abs() / divisor)
+            let at =
+                |run: &(Vec<R>, f64)| Some(Coarser { value: pick(run.0.get(k)?).1, ratio: run.1 });
+            let off = |refinement: &Refinement<R>| {
+                let coarsest = refinement.coarsest.as_ref().and_then(at);
+                let coarse = at(&refinement.coarse)?;
+                Some(error_of_finest(value, coarse, coarsest, refinement.orders))
             };
-            Self::by_two(t, value, coarser.iter().map(off).sum())
+            let error = refinements.iter().map(off).sum();
+            Self::by_two(t, value, if refinements.is_empty() { None } else { error })
         };
-        fine.iter().enumerate().map(observed).collect()
+        Self::without_sign_changes(fine.iter().enumerate().map(observed).collect())
+    }
+
+    /// Raises an error that is far smaller than those before and after it: a difference of runs that changes its sign in between. It
+    /// becomes half of their geometric mean.
+    pub(crate) fn without_sign_changes(mut all: Vec<Self>) -> Vec<Self> {
+        let errors: Vec<Option<f64>> = all.iter().map(|observed| observed.error).collect();
+        for (observed, around) in all.iter_mut().skip(1).zip(errors.windows(3)) {
+            if let (Some(error), [Some(before), _, Some(after)]) = (&mut observed.error, around) {
+                *error = error.max(0.5 * (before * after).sqrt());
+            }
+        }
+        all
+    }
+
+    /// Adds an error that is independent of the known one, or `None` if it is unknown.
+    pub(crate) fn add_error(&mut self, error: Option<f64>) {
+        let both = self.error.zip(error).map(|(known, error)| known.hypot(error));
+        self.error = both.filter(|error| error.is_finite());
+        if self.error.is_none() {
+            self.error_kind = ErrorOrigin::Unknown;
+        }
     }
 
     /// Adds a probability that no particle carries to a known error.
@@ -119,6 +152,15 @@ impl Observed {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_error_that_vanishes_between_two_times_is_a_change_of_sign() {
+        let errors = [0.4, 0.0, 0.1, 1e-9, 0.0];
+        let all = errors.map(|error| Observed::by_two(0.0, 1.0, Some(error))).to_vec();
+        let raised: Vec<f64> =
+            Observed::without_sign_changes(all).iter().filter_map(|it| it.error).collect();
+        assert_eq!(raised, [0.4, 0.1, 0.1, 1e-9, 0.0]);
+    }
 
     #[test]
     fn a_count_of_nothing_is_known_to_what_the_lattice_left_outside() {

@@ -167,9 +167,21 @@ const OF_RUN: [OfRun; 3] = [
 ];
 
 /// All quantities of the scene, without those that the method does not compute.
-pub(in crate::run) fn series(both: &Resolutions, scene: &FpkScene, system: &System) -> Vec<Series> {
+///
+/// `beyond_reach` is the part of each moment beyond the lattice.
+pub(in crate::run) fn series(
+    both: &Resolutions,
+    scene: &FpkScene,
+    system: &System,
+    beyond_reach: &[f64],
+) -> Vec<Series> {
     let moment = |(k, powers): (usize, &Vec<u32>)| {
-        moment_series(powers, system, both.values(|row| Some(row.moments[k])))
+        let mut values = both.values(|row| Some(row.moments[k]));
+        for observed in &mut values {
+            let Some(row) = both.fine.at(observed.t) else { continue };
+            observed.add_error(Some(row.offsets[k].hypot(beyond_reach[k] * row.scales[k])));
+        }
+        moment_series(powers, system, values)
     };
     let mut all: Vec<Series> = scene.moments.iter().enumerate().map(moment).collect();
     let demand = magnitude_name(scene, system);
@@ -178,7 +190,10 @@ pub(in crate::run) fn series(both: &Resolutions, scene: &FpkScene, system: &Syst
             let mut values = both.values(|row| pick(&row.exceedances[k]));
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
+                observed.add_error(Some(row.exceedances[k].offset));
                 if by == Probability::Cell {
+                    // What the cells leave out, near their rim and in folded ones.
+                    observed.add_error(row.cell_mass.map(|mass| 1.0 - mass));
                     observed.note.clone_from(&row.exceedances[k].note);
                     // `Probability::Below`: a difference of runs says nothing of what no particle carries.
                     if observed.value <= row.mass_outside {

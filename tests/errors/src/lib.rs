@@ -1,0 +1,44 @@
+//! Scenes drawn at random whose answers are known, and how often the truth lies within the errors that runs state.
+//!
+//! A [`Family`] draws a scene with its true answers. [`hunt`] runs the scenes of all families and returns a [`Tally`]: by method
+//! and by kind of quantity, the share of numbers whose truth lies within 1, 2, 5 and 10 stated errors. Settings are sensible or
+//! hostile; a hostile one is valid and chosen badly, such as a lattice that ends within the distribution.
+
+mod draw;
+mod families;
+mod hunt;
+mod normal;
+mod tally;
+
+pub use draw::Draw;
+pub use families::{ALL, Family};
+pub use hunt::{Hunt, Outcome, Verdict, hunt, judged, known};
+pub use tally::Tally;
+
+use serde_json::Value;
+
+/// A scene with its true answers.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// The scene.
+    pub scene: Value,
+    /// Name of its method.
+    pub method: &'static str,
+    /// Whether its settings are valid and chosen badly.
+    pub is_hostile: bool,
+    /// What is known of its answers.
+    pub truths: Vec<Truth>,
+}
+
+/// The true value of an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    /// Id of the answer.
+    pub id: String,
+    /// Time that it is of; none for an answer without times.
+    pub time: Option<f64>,
+    /// The value.
+    pub value: f64,
+    /// Values that far from it are equal to it: its own error.
+    pub error: f64,
+}

@@ -1,0 +1,32 @@
+//! Scenes that once printed a false error, or lost their answer: what they print holds.
+
+use std::path::Path;
+use std::time::Duration;
+
+use stated_errors::{Drawn, judged, known};
+
+/// No number is further from its truth than this many stated errors, and none of a scene is without an answer.
+const MOST: f64 = 5.0;
+
+#[test]
+fn numbers_of_scenes_that_failed_hold() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let mut n_numbers = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let scene: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let truths = known(&scene).unwrap();
+        assert!(!truths.is_empty(), "{}", path.display());
+        let drawn = Drawn { scene, method: "", is_hostile: false, truths };
+        let verdicts = judged(&drawn, Duration::from_secs(600));
+        let verdicts = verdicts.unwrap_or_else(|error| panic!("{}: {error:?}", path.display()));
+        assert!(!verdicts.is_empty(), "{}", path.display());
+        for verdict in verdicts {
+            let off = verdict.off().unwrap_or_default();
+            assert!(off <= MOST, "{}: {off}: {verdict:?}", path.display());
+            n_numbers += 1;
+        }
+    }
+    assert!(n_numbers > 100, "{n_numbers}");
+}

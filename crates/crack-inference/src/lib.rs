@@ -17,7 +17,7 @@ pub use parameter::{Parameter, Prior, Scale};
 pub use parameter_space::ParameterSpace;
 pub use sampling::diagnostics::{bulk_effective_sample_size, effective_sample_size, r_hat};
 pub use sampling::posterior::{
-    LEAST_CONTRACTION, POSTERIOR_QUANTILES, ParameterPosterior, Posterior, Verdict,
+    FROM_BOUND, LEAST_CONTRACTION, POSTERIOR_QUANTILES, ParameterPosterior, Posterior, Verdict,
 };
 pub use sampling::sampler_config::SamplerConfig;
 pub use summaries::{Absent, Summaries};

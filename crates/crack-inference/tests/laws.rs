@@ -155,6 +155,30 @@ fn draws_from_a_normal_posterior_have_its_moments_and_quantiles() {
 }
 
 #[test]
+fn a_posterior_that_a_bound_cuts_is_not_an_identification() {
+    let bounds = (0.5, 8.0);
+    for (scale, data, deviation, expected) in [
+        // Far beyond a bound, on either side: an exponential against it.
+        (Scale::Linear, 2000.0, 20.0, Verdict::AtBound),
+        (Scale::Logarithmic, 0.01, 0.05, Verdict::AtBound),
+        // At the bound, and a deviation inside.
+        (Scale::Linear, 8.0, 0.1, Verdict::AtBound),
+        (Scale::Linear, 0.7, 0.2, Verdict::AtBound),
+        // Three deviations inside.
+        (Scale::Linear, 7.4, 0.2, Verdict::Identified),
+        (Scale::Logarithmic, 0.6, 0.04, Verdict::Identified),
+        // Hardly any data.
+        (Scale::Linear, 8.0, 30.0, Verdict::NotIdentified),
+    ] {
+        let toughness = parameter("toughness", scale, bounds.0, bounds.1, Prior::Uniform);
+        let space = ParameterSpace::new(vec![toughness]).unwrap();
+        let density = |x: &[f64]| -0.5 * ((x[0] - data) / deviation).powi(2);
+        let of = &sampled(&space, density, 5).parameters()[0].clone();
+        assert_eq!(of.verdict, expected, "{data} {of:?}");
+    }
+}
+
+#[test]
 fn normal_prior_and_normal_likelihood_make_the_posterior_in_closed_form() {
     // On the logarithm: prior N(0, 0.5^2), one datum 0.6 with the deviation 0.5: N(0.3, 0.125). Bounds at 6 deviations.
     let prior = Prior::Normal { mean: 0.0, standard_deviation: 0.5 };

@@ -110,6 +110,7 @@ impl Plate {
                 (solid.bonds().clone(), PlateLaw::LinearSolid(solid))
             }
         };
+        connected(&bonds, scene)?;
         let stretch = stretch_of(scene, &config, condition)?;
         if let ToughnessScene::Softening { fracture_energy, .. } = scene.material.toughness {
             law = PlateLaw::Softening(softening(&config, condition, stretch, fracture_energy)?);
@@ -220,6 +221,37 @@ fn lattice(body: &BodyScene) -> Result<Nodes<2>, Objection> {
         }
     }
     Nodes::lattice(body.spacing, corners, body.condition.into(), outside).map_err(at("body"))
+}
+
+/// Refuses a body in parts that no bond connects: a load on one of them never comes to the other.
+fn connected(bonds: &Bonds, scene: &CrackScene) -> Result<(), Objection> {
+    let mut part: Vec<usize> = (0..bonds.n_nodes()).collect();
+    let root = |part: &mut [usize], mut node: usize| {
+        while part[node] != node {
+            part[node] = part[part[node]];
+            node = part[node];
+        }
+        node
+    };
+    for (i, j) in bonds.pairs() {
+        let [a, b] = [root(&mut part, i), root(&mut part, j)];
+        part[a.max(b)] = a.min(b);
+    }
+    let n = (0..part.len()).filter(|&node| part[node] == node).count();
+    if n <= 1 {
+        return Ok(());
+    }
+    let of_first = (0..part.len()).filter(|&node| root(&mut part, node) == 0).count();
+    let message = format!(
+        "the body is in {n} parts that no bond connects; the first has {of_first} of {} nodes",
+        bonds.n_nodes()
+    );
+    let (path, help) = match (&scene.body.points, scene.body.holes.is_empty()) {
+        (Some(_), _) => ("body.points", "take a longer horizon, or the points of one part"),
+        (None, false) => ("body.holes", "a hole cuts the body: make it shorter, or run one part"),
+        (None, true) => ("body", "take a longer horizon"),
+    };
+    Err(Objection::new(path, message).with_help(help))
 }
 
 fn of_bonds(error: &Error, cloud: Option<&Cloud>) -> Objection {

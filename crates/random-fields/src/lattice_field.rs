@@ -46,7 +46,7 @@ impl LatticeField {
         // About inclined axes the point half a period away has two correlations: the lattice must not reach it.
         let is_inclined =
             correlation.axes().iter().flatten().any(|e| e.abs() > 0.0 && e.abs() < 1.0);
-        let beyond = |count: usize| count + usize::from(is_inclined && count > 1);
+        let beyond = |count: usize| count.saturating_add(usize::from(is_inclined && count > 1));
         let counts = counts.map(beyond);
         let mut refused = None;
         for lengths in LENGTHS {
@@ -160,6 +160,10 @@ fn coordinates(point: usize, sizes: [usize; 3]) -> [usize; 3] {
 fn period(count: usize, least_half: f64) -> usize {
     if count == 1 {
         return 1;
+    }
+    if count > MOST_POINTS {
+        // Refused for its number, whatever its factors.
+        return count.saturating_mul(2);
     }
     #[allow(
         clippy::cast_possible_truncation,

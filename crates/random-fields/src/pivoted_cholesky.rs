@@ -1,6 +1,6 @@
 //! A few columns that make up most of a covariance.
 
-use crate::error::Error;
+use crate::error::{Error, finite};
 
 /// Most numbers that are kept: 2 GB of them.
 const MOST_NUMBERS: usize = 1 << 28;
@@ -36,14 +36,15 @@ pub struct LowRank {
 /// algorithm 1.
 ///
 /// # Errors
-/// [`Error::NotPositiveDefinite`] for a diagonal entry of the remainder below zero by more than roundoff,
-/// [`Error::TooManyColumns`].
+/// [`Error::NotFinite`] for an entry; [`Error::NotPositiveDefinite`] for a diagonal entry of the remainder below zero by more
+/// than roundoff; [`Error::TooManyColumns`].
 pub fn pivoted_cholesky(
     n: usize,
     entry: impl Fn(usize, usize) -> f64,
     enough: Enough,
 ) -> Result<LowRank, Error> {
     let mut rest: Vec<f64> = (0..n).map(|i| entry(i, i)).collect();
+    rest.iter().try_for_each(|&value| finite(ENTRY, value))?;
     let trace: f64 = rest.iter().sum();
     let limit = n as f64 * f64::EPSILON * largest(&rest).1;
     let (mut columns, mut pivots): (Vec<f64>, Vec<usize>) = (vec![], vec![]);
@@ -73,6 +74,7 @@ pub fn pivoted_cholesky(
         let root = value.sqrt();
         for (i, next) in next.iter_mut().enumerate() {
             *next /= root;
+            finite(ENTRY, *next)?;
             rest[i] -= *next * *next;
         }
         rest[pivot] = 0.0;
@@ -84,6 +86,8 @@ pub fn pivoted_cholesky(
         None => Ok(LowRank { columns, rest, pivots }),
     }
 }
+
+const ENTRY: &str = "an entry of the covariance";
 
 /// The first of the largest.
 fn largest(values: &[f64]) -> (usize, f64) {
@@ -138,6 +142,18 @@ mod tests {
     fn matrix_of_rank_one_has_one_column() {
         let found = pivoted_cholesky(5, |i, j| ((i + 1) * (j + 1)) as f64, Enough::Trace(1e-12));
         assert_eq!(found.unwrap().columns, [1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+
+    #[test]
+    fn entries_that_are_no_numbers_are_refused_wherever_they_are() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            for place in [(0, 0), (3, 3), (4, 1)] {
+                let at = |i: usize, j: usize| (i.max(j), i.min(j)) == place;
+                let entry = |i, j| if at(i, j) { bad } else { walk(i, j) };
+                let found = pivoted_cholesky(6, entry, Enough::Trace(1e-6));
+                assert!(matches!(found, Err(Error::NotFinite { .. })), "{place:?} {found:?}");
+            }
+        }
     }
 
     #[test]

@@ -17,8 +17,8 @@ use super::method_scene::MethodScene;
 use super::region::BodyRegion;
 use super::retired::RETIRED;
 use super::scene::{
-    BoundaryKindScene, BoundaryScene, ContactScene, GaugeScene, LawScene, ShapeScene, SideScene,
-    SmpmScene, TransferScene,
+    BoundaryKindScene, BoundaryScene, ContactScene, CorrelationScene, GaugeScene, LawScene,
+    ShapeScene, SideScene, SmpmScene, TransferScene,
 };
 
 /// A random parameter of a material.
@@ -34,6 +34,9 @@ pub struct RandomParameter {
 
 /// Largest number of random parameters of a scene: the lanes of a jet.
 pub const MOST_RANDOM: usize = 8;
+
+/// Fewest samples of a mean and a variance with their errors.
+pub(crate) const FEWEST_SAMPLES: u64 = 8;
 
 /// Largest lattice of a body in a scene, including points outside of the body.
 ///
@@ -80,6 +83,14 @@ impl SmpmScene {
                 return Err(Objection::new(path, message));
             }
             let mean = of_material[&key];
+            if mean == 0.0 && random.coefficient_of_variation > 0.0 {
+                let message = format!(
+                    "`{}` is 0: a coefficient of variation gives it no deviation",
+                    random.parameter
+                );
+                let help = "give the parameter a value under `set`, or leave it out of `random`";
+                return Err(Objection::new(path, message).with_help(help));
+            }
             found.push(RandomParameter { material: material.to_owned(), key, mean });
         }
         Ok(found)
@@ -115,6 +126,13 @@ impl SmpmScene {
             let [i, j] = [place(&given.between[0])?, place(&given.between[1])?];
             if i == j {
                 let message = "a parameter is correlated with itself";
+                return Err(Objection::new(format!("{path}.between"), message));
+            }
+            let is_it = |earlier: &CorrelationScene| {
+                given.between.iter().all(|name| earlier.between.contains(name))
+            };
+            if self.correlations[..c].iter().any(is_it) {
+                let message = "the correlation of these two parameters is given twice";
                 return Err(Objection::new(format!("{path}.between"), message));
             }
             (correlation[i][j], correlation[j][i]) = (given.value, given.value);
@@ -286,12 +304,7 @@ impl Scene for SmpmScene {
             let message = format!("the cell is {} and must be greater than 0", self.grid.cell);
             return Err(Objection::new("grid.cell", message));
         }
-        for (i, boundary) in self.boundaries.iter().enumerate() {
-            if !(1..=self.dimension).contains(&boundary.axis) {
-                let message = format!("axis {}; axes are 1 to {}", boundary.axis, self.dimension);
-                return Err(Objection::new(format!("boundaries[{i}].axis"), message));
-            }
-        }
+        self.check_boundaries()?;
         self.check_gravity_history()?;
         self.quantities()?;
         for name in self.levels.keys() {
@@ -312,9 +325,11 @@ impl Scene for SmpmScene {
             }
         }
         if let MethodScene::MonteCarlo { samples, .. } = self.method
-            && samples < 2
+            && samples < FEWEST_SAMPLES
         {
-            let message = format!("{samples} samples; a variance needs at least 2");
+            let message = format!(
+                "{samples} samples; a variance with an error needs at least {FEWEST_SAMPLES}"
+            );
             return Err(Objection::new("method.monte_carlo.samples", message));
         }
         self.check_design()?;
@@ -336,6 +351,25 @@ impl Scene for SmpmScene {
 }
 
 impl SmpmScene {
+    /// Axes that exist, and one kind of boundary in a plane.
+    fn check_boundaries(&self) -> Result<(), Objection> {
+        for (i, boundary) in self.boundaries.iter().enumerate() {
+            let path = format!("boundaries[{i}]");
+            if !(1..=self.dimension).contains(&boundary.axis) {
+                let message = format!("axis {}; axes are 1 to {}", boundary.axis, self.dimension);
+                return Err(Objection::new(format!("{path}.axis"), message));
+            }
+            let plane = |of: &BoundaryScene| (of.axis, (of.position + 0.0).to_bits(), of.side);
+            let earlier = self.boundaries[..i].iter().position(|of| plane(of) == plane(boundary));
+            if let Some(earlier) = earlier {
+                let message =
+                    format!("boundaries[{earlier}] is in the same plane, on the same side");
+                return Err(Objection::new(path, message).with_help("keep one of them"));
+            }
+        }
+        Ok(())
+    }
+
     /// Points of time in ascending order, if there is gravity.
     fn check_gravity_history(&self) -> Result<(), Objection> {
         if self.gravity.is_empty() && !self.gravity_history.is_empty() {
@@ -364,6 +398,15 @@ impl SmpmScene {
         if self.random.is_empty() {
             let message = "there are no random parameters to sample";
             return Err(Objection::new(path, message).with_help("add some under `random`"));
+        }
+        let is_of_indices = matches!(self.method, MethodScene::SobolIndices { .. });
+        if let Some(c) = self.correlations.iter().position(|it| it.value != 0.0)
+            && is_of_indices
+        {
+            let message = "Sobol' indices are shares of the variance for independent parameters; these are correlated";
+            let help =
+                "leave the correlation out, or take `quasi_monte_carlo` for mean and variance";
+            return Err(Objection::new(format!("correlations[{c}]"), message).with_help(help));
         }
         let Some(Err(error)) = self.design().map(|design| design.n_runs()) else {
             return Ok(());

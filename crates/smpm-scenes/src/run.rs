@@ -29,7 +29,7 @@ use self::solve::{Answer, Solved};
 use self::solve_error::SolveError;
 use crate::experiment::SceneExperiment;
 use crate::method_scene::MethodScene;
-use crate::scene::{RandomScene, SmpmScene};
+use crate::scene::SmpmScene;
 
 /// Its line in a table of kinds.
 pub const KIND: SceneKind = SceneKind {
@@ -110,8 +110,7 @@ fn run_in<const D: usize>(
     };
     let answers = answers::answers(scene, &content);
     Completed::here(run, answers, || {
-        let mut drawings = drawings(scene, &plan, &content.gauges)?;
-        drawings.extend(index_drawings(scene, &content.gauges)?);
+        let drawings = drawings(scene, &plan, &content.gauges)?;
         let report = findings::report(scene, &content);
         let result = ResultFile::new("response-moments/1", scene, &content)?;
         Ok(Output { result, files, drawings, motions: motion.into_iter().collect(), report })
@@ -135,6 +134,10 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
             Some(i) => at(format!("gauges[{i}]")),
             None => RunError::solver(error),
         },
+        smpm::Error::ShortStep { .. } => at(match scene.method {
+            MethodScene::ForwardDifference { .. } => "method.forward_difference.step".to_owned(),
+            _ => "method.finite_difference.step".to_owned(),
+        }),
         smpm::Error::AtParticle { .. } => at("random_fields".to_owned()),
         smpm::Error::WindowOrder { .. } => at("times".to_owned()),
         smpm::Error::OtherWindows { .. } => {
@@ -212,53 +215,6 @@ fn drawings<const D: usize>(
         Drawing::time_series(name, &chart).map_err(RunError::solver)
     };
     (0..plan.quantities.len()).map(draw).collect()
-}
-
-/// One chart for each quantity at each gauge: total Sobol' indices over time with a band of one standard error.
-fn index_drawings(scene: &SmpmScene, gauges: &[GaugeResult]) -> Result<Vec<Drawing>, RunError> {
-    let mut all = Vec::new();
-    for gauge in gauges {
-        for quantity in &gauge.quantities {
-            let shares = |k: usize| {
-                let of = move |value: &Response| {
-                    value.sobol_indices.get(k).map(|share| (value.time(), share.clone()))
-                };
-                quantity.values.iter().filter_map(of)
-            };
-            if shares(0).count() < 2 {
-                continue;
-            }
-            let line = |(k, random): (usize, &RandomScene)| Line {
-                name: random.parameter.clone(),
-                points: shares(k).map(|(time, share)| (time, Some(share.total))).collect(),
-            };
-            let band = |k: usize| Band {
-                points: shares(k)
-                    .map(|(time, Shares { total, total_standard_error: error, .. })| {
-                        (time, total - error, total + error)
-                    })
-                    .collect(),
-            };
-            let [_, time, ..] = scene.units.names();
-            let name = quantity.name.replace('_', " ");
-            let chart = TimeSeries {
-                words: Words {
-                    title: scene.title.clone(),
-                    subtitle: format!("Total Sobol' indices of {name} at {}", gauge.name),
-                    x_label: format!("time ({time})"),
-                    y_label: "part of the variance that remains if all others are fixed".to_owned(),
-                    caption: vec![Machine::read().caption()],
-                },
-                scale: Scale::Linear,
-                lines: scene.random.iter().enumerate().map(line).collect(),
-                bands: (0..scene.random.len()).map(band).collect(),
-                references: Vec::new(),
-            };
-            let file = format!("sobol_{}_{}", gauge.name, quantity.name);
-            all.push(Drawing::time_series(&file, &chart).map_err(RunError::solver)?);
-        }
-    }
-    Ok(all)
 }
 
 fn method_words(method: MethodScene) -> String {

@@ -28,6 +28,30 @@ pub enum Error {
     /// A material whose constants cannot vary from particle to particle.
     #[error("the constants of this material cannot vary from particle to particle")]
     ConstantsCannotVary,
+    /// Differences over a step in which roundoff decides.
+    #[error(
+        "the step of differences is {value:e} standard deviations; it must be at least {limit:e}, usual are 0.01 to 0.5"
+    )]
+    ShortStep {
+        /// The step.
+        value: f64,
+        /// The shortest.
+        limit: f64,
+    },
+    /// More samples failed than leave enough for moments.
+    #[error(
+        "{failed} of {n} samples ended in errors, too many for moments of the rest; sample {sample}: {reason}"
+    )]
+    SamplesFailed {
+        /// Samples that failed.
+        failed: usize,
+        /// All samples.
+        n: usize,
+        /// The first that failed.
+        sample: u64,
+        /// Why.
+        reason: String,
+    },
     /// Another number of random inputs, or of their standard normals, than an experiment takes.
     #[error("{value} random inputs; the experiment takes {expected}")]
     OtherInputs {

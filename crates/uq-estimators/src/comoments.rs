@@ -102,19 +102,4 @@ impl Comoments {
     pub fn variance(&self, i: usize) -> f64 {
         self.covariance(i, i)
     }
-
-    /// Unbiased variance of the combination with the given weights; NaN for fewer than two vectors.
-    #[must_use]
-    pub fn variance_of(&self, weights: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (i, a) in weights.iter().enumerate() {
-            for (j, b) in weights.iter().enumerate() {
-                if *a != 0.0 && *b != 0.0 {
-                    sum += a * b * self.covariance(i, j);
-                }
-            }
-        }
-        // Roundoff of the sum may be negative where the combination is constant.
-        if sum < 0.0 { 0.0 } else { sum }
-    }
 }

@@ -63,8 +63,10 @@ impl PlateModel {
         let name = &scene.plate;
         let (named, _) = NamedFile::read(name, folder)
             .map_err(|error| here("plate", format!("cannot read the plate {name}: {error}")))?;
-        let file = SceneFile::read(&folder.join(name)).map_err(PlateError::There)?;
-        let solver = file.text_at_top(KIND_KEY).map_err(PlateError::There)?;
+        // Any file may be named: what it holds is shown only where it is a scene of cracks.
+        let no_scene = |error: SceneError| here("plate", format!("{name} is no scene: {error}"));
+        let file = SceneFile::read(&folder.join(name)).map_err(no_scene)?;
+        let solver = file.text_at_top(KIND_KEY).map_err(no_scene)?;
         if solver != SOLVER {
             let message =
                 format!("{name} is a scene of `{solver}`; the plate must be one of `{SOLVER}`");

@@ -243,11 +243,12 @@ impl Study<'_> {
     ) -> Result<Content, RunError> {
         let Inferred { emulator, posterior, data, summaries } = inferred;
         let of_fit = (&self.names()[..], of_design, &summaries[..]);
+        let is_predicted = predictive.summaries.iter().all(|it| !it.is_outside);
         Ok(Content {
             files: plate.files.iter().chain(&self.measured.files).cloned().collect(),
             seed: self.scene.seed,
             work: WorkRecord::default(),
-            parameters: parameters(self.space, posterior, emulator, data)?,
+            parameters: parameters(self.space, posterior, emulator, data, is_predicted)?,
             correlations: correlations(self.space, posterior),
             sampler: SamplerRecord {
                 acceptance: posterior.acceptance(),

@@ -4,10 +4,28 @@ use scene_runs::answers::{Answer, AnswerValue, Answers, ErrorOrigin, Number, Rol
 
 use super::record::{Distributed, Record};
 
+/// Share of failed realisations above which the error of a mean over the others is unknown: they are not those of any strength.
+const MOST_FAILED: f64 = 0.02;
+
 /// Means and standard deviations of failure load, exit and length; probabilities of outcomes.
 pub(super) fn answers(record: &Record, cpu_seconds: f64) -> Answers {
     let mut list = Vec::new();
     for Distributed { key, words, unit, law } in record.distributions() {
+        let n_failed = record.failures.len();
+        let n = record.realisations.len();
+        let many_failed = n_failed as f64 > MOST_FAILED * n as f64;
+        let value = |number: Number| {
+            let mut number = number;
+            let mut remark = (law.realisations > 1 && number.error.is_none())
+                .then(|| "no realisation differs from another, error unknown".to_owned());
+            if many_failed {
+                number = Number::sampled(number.value, None);
+                remark = Some(format!(
+                    "error unknown: {n_failed} of {n} realisations ended in errors and did not count"
+                ));
+            }
+            AnswerValue { remark, ..AnswerValue::of(number) }
+        };
         let answer = |statistic, part: &str, role, number| Answer {
             unit: unit.to_owned(),
             role,
@@ -15,7 +33,7 @@ pub(super) fn answers(record: &Record, cpu_seconds: f64) -> Answers {
                 format!("{key}/{}", part.replace(' ', "_")),
                 format!("{words}, {part}"),
                 statistic,
-                AnswerValue::of(number),
+                value(number),
             )
         };
         list.push(answer(Statistic::Mean, "mean", Role::Headline, law.mean));

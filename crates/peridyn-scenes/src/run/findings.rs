@@ -100,7 +100,7 @@ fn charts(record: &Record, report: &mut Report) {
         .filter_map(|it| {
             let x =
                 it.displacement.map(|u| u / MILLI).or(it.strain.map(|strain| strain / MICRO))?;
-            Some(point(x, &it.load, Some(it.standard_deviation)))
+            Some(point(x, &it.load, it.standard_deviation))
         })
         .collect();
     push(title, [x_label, "load (N)"], deviation, "mean load", loads);

@@ -4,7 +4,8 @@ use peridyn_sde::CrackRun;
 use peridyn_sde::statistics::{
     Band, Bootstrap, CrackEnsemble, CrackOutcome, CrackRecord, Distribution, Interval, QUANTILES,
 };
-use scene_runs::answers::{Number, Unknown};
+use result_figures::number::tidy;
+use scene_runs::answers::{ErrorOrigin, Number, Unknown};
 use scene_runs::kind::RunError;
 use scene_runs::scene::NamedFile;
 use sde_integrators::{Accumulator, Estimate};
@@ -126,8 +127,29 @@ impl Quantile {
     /// Quantiles at some probabilities.
     pub(crate) fn all(probabilities: &[f64], values: &[Estimate]) -> Vec<Self> {
         let one =
-            |(&probability, &value): (&f64, &Estimate)| Self { probability, number: value.into() };
+            |(&probability, &value): (&f64, &Estimate)| Self { probability, number: number(value) };
         probabilities.iter().zip(values).map(one).collect()
+    }
+}
+
+/// An estimate with its error, which is unknown where no realisation differs from another: they say nothing of it.
+fn number(estimate: Estimate) -> Number {
+    let number = Number::from(estimate);
+    match number.error_kind {
+        ErrorOrigin::StandardError if number.error == Some(0.0) => {
+            Number::sampled(number.value, None)
+        }
+        _ => number,
+    }
+}
+
+impl Law {
+    /// Of one value, whose error is unknown; none of several.
+    fn of_one(values: &[Option<f64>]) -> Option<Self> {
+        let [value] = values.iter().flatten().collect::<Vec<_>>()[..] else { return None };
+        let mean = Number::sampled(*value, None);
+        let (realisations, missing) = (1, values.len() - 1);
+        Some(Self { realisations, missing, mean, standard_deviation: None, quantiles: Vec::new() })
     }
 }
 
@@ -136,8 +158,8 @@ impl From<&Distribution> for Law {
         Self {
             realisations: law.n,
             missing: law.missing,
-            mean: law.mean.into(),
-            standard_deviation: law.deviation,
+            mean: number(law.mean),
+            standard_deviation: law.deviation.filter(|it| it.high > it.low),
             quantiles: Quantile::all(&QUANTILES, &law.quantiles),
         }
     }
@@ -170,8 +192,8 @@ pub(super) struct LoadAt {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) displacement: Option<f64>,
     pub(super) load: Number,
-    /// Standard deviation over realisations.
-    pub(super) standard_deviation: f64,
+    /// Standard deviation over realisations; unknown of one.
+    pub(super) standard_deviation: Option<f64>,
 }
 
 /// A number of each realisation and its distribution.
@@ -204,18 +226,23 @@ impl Record {
         ensemble: &CrackEnsemble,
         bootstrap: &Bootstrap,
     ) -> Result<Self, RunError> {
-        let mut unknown = Vec::new();
-        let mut law = |what: &str, law: Result<Distribution, peridyn_sde::Error>| {
-            let told = law.as_ref().map(Law::from);
-            told.map_err(|error| {
-                let (what, reason) = (what.to_owned(), error.to_string());
-                unknown.push(Unknown { what, reason });
-            })
-            .ok()
+        let mut unknown = vec![of_lattice(scene, problem)];
+        let counted = || run.records.iter().filter(|record| record.outcome.counts());
+        let mut law = |what: &str, law: Result<Distribution, peridyn_sde::Error>, of: Value| {
+            let one = || Law::of_one(&counted().map(of).collect::<Vec<_>>());
+            match law {
+                Ok(law) => Some(Law::from(&law)),
+                Err(error) => one().or_else(|| {
+                    let (what, reason) = (what.to_owned(), error.to_string());
+                    unknown.push(Unknown { what, reason });
+                    None
+                }),
+            }
         };
-        let exit = law("exit", ensemble.exit(bootstrap));
-        let length = law("length", ensemble.length(bootstrap));
-        let failure_load = law("failure_load", ensemble.failure_load(bootstrap));
+        let exit = law("exit", ensemble.exit(bootstrap), |record| record.exit);
+        let length = law("length", ensemble.length(bootstrap), |record| Some(record.length));
+        let failure_load =
+            law("failure_load", ensemble.failure_load(bootstrap), |record| record.failure_load);
         let path = match ensemble.bands(&abscissae(scene, problem), bootstrap) {
             Ok(bands) => bands.iter().map(PathAt::from).collect(),
             Err(error) => {
@@ -228,7 +255,7 @@ impl Record {
         let broken_bonds = mean(broken).map(|(mean, _)| mean);
         let load = loads(scene, problem, run);
         if broken_bonds.is_none() || load.is_empty() {
-            let reason = "fewer than two realisations ran to their end".to_owned();
+            let reason = "no realisation ran to its end".to_owned();
             unknown.push(Unknown { what: "broken_bonds, load".into(), reason });
         }
         let outcome = |&(outcome, probability): &(&'static str, Estimate)| Outcome {
@@ -290,11 +317,27 @@ pub(super) fn from_tip_to_exit(scene: &CrackScene, problem: &CrackProblem) -> Ve
     (1..=between).map(|k| tip + forward * f64::from(k)).chain([exit]).collect()
 }
 
-/// Mean with standard error, and standard deviation; none for fewer than two values.
-fn mean(values: impl Iterator<Item = f64>) -> Option<(Number, f64)> {
+/// Mean with standard error, and standard deviation, both unknown of one value; none without values.
+fn mean(values: impl Iterator<Item = f64>) -> Option<(Number, Option<f64>)> {
     let mut sample = Accumulator::default();
     values.for_each(|value| sample.push(value));
-    Some((sample.estimate().ok()?.into(), sample.variance().ok()?.sqrt()))
+    let of_one = (sample.count() > 0).then(|| Number::sampled(sample.mean(), None));
+    let mean = sample.estimate().ok().map(number).or(of_one)?;
+    Some((mean, sample.variance().ok().map(f64::sqrt)))
+}
+
+/// A value that a realisation may have.
+type Value = fn(&CrackRecord) -> Option<f64>;
+
+/// What no realisation shows, since all share the lattice.
+fn of_lattice(scene: &CrackScene, problem: &CrackProblem) -> Unknown {
+    let (spacing, horizon) = (scene.body.spacing, problem.resolved.horizon);
+    let reason = format!(
+        "errors are those of the realisations, which share a spacing of {} m and a horizon of {} m: run with half of both and compare",
+        tidy(spacing),
+        tidy(horizon)
+    );
+    Unknown { what: "error of the lattice".to_owned(), reason }
 }
 
 fn loads(scene: &CrackScene, problem: &CrackProblem, run: &CrackRun) -> Vec<LoadAt> {

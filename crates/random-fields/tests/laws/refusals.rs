@@ -35,6 +35,16 @@ fn lengths_that_are_no_lengths() {
 }
 
 #[test]
+fn points_so_far_apart_that_no_lattice_holds_them() {
+    for far in [1e8, 1e15, 1e19, 1e300] {
+        let points = [[0.0, 0.0], [1.0, 0.0], [far, 0.0]];
+        let correlation = along(far);
+        let found = GaussianField::by_circulant_embedding(&points, 1.0, correlation);
+        assert!(matches!(found, Err(Error::TooManyPoints { .. })), "{far}: {found:?}");
+    }
+}
+
+#[test]
 fn lengths_of_more_than_a_thousand_bodies() {
     let soil = |length| SpatialCorrelation::separable([along(1.0), along(length)]);
     let refused = on_box(soil(3.1e3), Truncation::Terms(3));

@@ -95,6 +95,8 @@ pub struct Number {
 pub enum ErrorOrigin {
     /// From runs at a coarser resolution, with the order of the method.
     TwoResolutions,
+    /// From whole runs that the estimate has not used.
+    CheckRuns,
     /// Scatter of samples.
     StandardError,
     /// Half of a bootstrap interval of 95 %.
@@ -130,6 +132,7 @@ impl ErrorOrigin {
     pub const fn words(self) -> &'static str {
         match self {
             Self::TwoResolutions => "error from a run at a coarser resolution",
+            Self::CheckRuns => "error from runs that the estimate has not used",
             Self::StandardError => "standard error of the samples",
             Self::Interval => "half of the 95 % bootstrap interval",
             Self::Bound => "error is a bound",

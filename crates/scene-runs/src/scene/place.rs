@@ -183,6 +183,13 @@ pub(super) fn locate(origin: &Origin, had_once: &[Retired], wrong: &WrongKey) ->
         let place = object.properties.get(1).map_or(range, |second| range_of(&second.name));
         return SceneError::at(origin, path, place, message, "one too many", None);
     }
+    if let Value::StringLit(text) = value
+        && message.contains("unit variant, expected")
+    {
+        let message = format!("`{}` has keys of its own", text.value);
+        let help = Some(format!("write {{ \"{}\": {{ ... }} }} with them", text.value));
+        return SceneError::at(origin, path, range, message, "a name alone", help);
+    }
     SceneError::at(origin, path, range, message, "this value", None)
 }
 

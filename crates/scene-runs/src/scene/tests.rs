@@ -115,6 +115,14 @@ fn an_unknown_variant_names_the_nearest_known_one() {
 }
 
 #[test]
+fn a_name_alone_that_has_keys_is_told_what_to_write() {
+    let (from, to) = ("{ \"viscous_damper\": { \"intensity\": 0.2 } }", "\"linear_oscillator\"");
+    let message = "`linear_oscillator` has keys of its own";
+    let help = mistake(from, to, (3, 13), "system.linear_oscillator", message);
+    assert_eq!(help.as_deref(), Some("write { \"linear_oscillator\": { ... } } with them"));
+}
+
+#[test]
 fn a_removed_name_is_reported_with_its_successor() {
     let message = "`pendulum` was removed: use `linear_oscillator`, which is as small";
     assert_eq!(mistake("viscous_damper", "pendulum", (3, 15), "system.pendulum", message), None);

@@ -212,6 +212,63 @@ fn fewer_samples_than_a_checkpoint_holds_are_the_first_of_them_and_none_is_lost(
     assert_eq!(resume(20), of_all);
 }
 
+#[test]
+fn what_has_no_answer_is_refused_before_it_is_run() {
+    let random =
+        "[{ 'parameter': 'steel.equation.s1', 'law': 'normal', 'coefficient_of_variation': 0.05 }]";
+    let both = "[{ 'parameter': 'steel.equation.s1', 'law': 'normal', 'coefficient_of_variation': 0.05 },
+        { 'parameter': 'steel.equation.gruneisen', 'law': 'normal', 'coefficient_of_variation': 0.1 }]";
+    let between = |first: &str, second: &str, value: f64| {
+        format!(
+            "{{ 'between': ['steel.equation.{first}', 'steel.equation.{second}'], 'value': {value} }}"
+        )
+    };
+    let correlated =
+        |entries: &[String]| format!("{both}, 'correlations': [{}]", entries.join(", "));
+    let once = correlated(&[between("s1", "gruneisen", 0.4)]);
+    let twice = correlated(&[between("s1", "gruneisen", 0.4), between("gruneisen", "s1", 0.2)]);
+    let boundary =
+        |kind: &str| format!("{{ 'axis': 1, 'position': 0, 'side': 'above', 'kind': '{kind}' }}");
+    let walls = format!("{}, {}", boundary("symmetry"), boundary("clamped"));
+    let heavy = "'library': 'steel' } }, 'strength': { 'johnson_cook': { 'library': 'steel', 'set': { 'density': 2.7 } }";
+    let indices = quasi("sobol_indices", 4, "");
+    for (changes, path) in [
+        ([(random, once.as_str()), ("'propagated'", &indices)], "correlations[0]"),
+        ([(random, &twice), ("[0.2]", "[0.2]")], "correlations[1].between"),
+        ([("steel.equation.s1", "steel.equation.s2"), ("[0.2]", "[0.2]")], "random[0].parameter"),
+        ([(boundary("symmetry").as_str(), &walls), ("[0.2]", "[0.2]")], "boundaries[1]"),
+        ([("'library': 'steel' }", heavy), ("[0.2]", "[0.2]")], "materials.steel.strength"),
+        (
+            [("'propagated'", "{ 'finite_difference': { 'step': 1e-9 } }"), ("[0.2]", "[0.2]")],
+            "method.finite_difference.step",
+        ),
+    ] {
+        let ran = SceneRun::of(&changed(PLATE, &changes));
+        assert_eq!(mistake_of(ran.written.as_ref().unwrap_err()).path, path);
+    }
+    let few = SceneRun::of(&sampled(7));
+    let path = &mistake_of(few.written.as_ref().unwrap_err()).path;
+    assert_eq!(path, "method.monte_carlo.samples");
+    // Mean and variance by points need no independence; indices are left out.
+    let points = quasi("quasi_monte_carlo", 4, ", 'control': true");
+    let ran = SceneRun::of(&changed(PLATE, &[(random, &once), ("'propagated'", &points)]));
+    assert!(over_window(&ran).get("sobol_indices").is_none());
+}
+
+#[test]
+fn differences_of_whole_runs_have_errors_that_hold() {
+    let exact = 0.05 * 7.83 * 1.49 * 0.01;
+    for method in ["forward_difference", "finite_difference"] {
+        let method = format!("{{ '{method}': {{ 'step': 0.02 }} }}");
+        let pressure = over_window(&SceneRun::of(&by(&method)));
+        let number = |name: &str| pressure[name].as_f64().unwrap();
+        let (deviation, error) = (number("standard_deviation"), number("standard_deviation_error"));
+        assert!(error > 0.0 && number("mean_error") > 0.0, "{pressure}");
+        // The grid leaves one per cent.
+        assert!((deviation - exact).abs() < error + 0.02 * exact && error < 0.1 * exact);
+    }
+}
+
 /// The plate is too fast for its equation of state, which only a run shows.
 #[test]
 fn a_file_that_is_no_shard_is_refused_before_anything_is_run() {

@@ -8,7 +8,7 @@ pub fn normal_probability(z: f64) -> f64 {
     0.5 * libm::erfc(-z * FRAC_1_SQRT_2)
 }
 
-/// `z` with `Phi(z) = p`, for `0 < p < 1`.
+/// `z` with `Phi(z) = p`, for `0 < p < 1`; NaN for NaN.
 ///
 /// Its error is 1e-13 standard deviations for `p` from 1e-300 to `1 - 1e-4`; closer to one, `1 - p` limits it. For `p <= 0` and
 /// `p >= 1` it is the quantile of the smallest positive number and its negative.
@@ -22,6 +22,9 @@ pub fn normal_probability(z: f64) -> f64 {
 /// ```
 #[must_use]
 pub fn normal_quantile(p: f64) -> f64 {
+    if p.is_nan() {
+        return p;
+    }
     if p > 0.5 { -lower(1.0 - p) } else { lower(p) }
 }
 
@@ -50,6 +53,7 @@ mod tests {
             assert!((normal_quantile(p) - z).abs() < 1e-14, "{p}: {}", normal_quantile(p));
             assert!((normal_quantile(1.0 - p) + z).abs() < 1e-14);
         }
+        assert!(normal_quantile(f64::NAN).is_nan() && normal_quantile(-1.0).is_finite());
         for p in [1e-300, 1e-20, 1e-6, 0.01, 0.3, 0.499] {
             // Phi has the relative slope |z| in its tail: 40 times an error of 1e-13.
             assert!((normal_probability(normal_quantile(p)) / p - 1.0).abs() < 4e-12, "{p}");

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use result_figures::number::tidy;
 use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -110,6 +111,11 @@ impl MaterialPart {
 pub type Numbers = BTreeMap<(MaterialPart, &'static str), f64>;
 
 type Names = &'static [&'static str];
+
+/// Relative difference within which two densities are those of one material: sources for a metal differ by one to three per cent, and
+/// its heating by as much.
+const SAME_DENSITY: f64 = 0.05;
+
 impl EquationScene {
     fn air() -> Self {
         let numbers = [("density", 1.2), ("exponent", 1.4), ("stiffness", 0.0), ("pressure", 1e5)];
@@ -241,7 +247,26 @@ impl MaterialScene {
             given.read((MaterialPart::Damage, "damage", names), units, &at, &mut numbers)?;
         }
         self.check_parts(path)?;
+        Self::check_density(&numbers, path)?;
         Ok(numbers)
+    }
+
+    /// The strength heats the density of the equation of state.
+    fn check_density(numbers: &Numbers, path: &str) -> Result<(), Objection> {
+        let of = |part| numbers.get(&(part, "density")).copied();
+        let pair = of(MaterialPart::Equation).zip(of(MaterialPart::Strength));
+        let Some((equation, strength)) =
+            pair.filter(|(a, b)| (a - b).abs() > SAME_DENSITY * a.abs())
+        else {
+            return Ok(());
+        };
+        let message = format!(
+            "the density of the strength is {}, that of the equation of state {}: plastic work would heat another mass",
+            tidy(strength),
+            tidy(equation)
+        );
+        let help = format!("write \"density\": {} under `set` of the strength", tidy(equation));
+        Err(Objection::new(format!("{path}.strength"), message).with_help(help))
     }
 
     fn check_parts(&self, path: &str) -> Result<(), Objection> {

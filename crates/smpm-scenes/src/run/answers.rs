@@ -51,15 +51,9 @@ fn of_quantity(scene: &SmpmScene, gauge: &GaugeResult, quantity: &QuantityResult
     };
     let part = if deviation.is_some() { "mean" } else { "value" };
     let scale = mean.max(deviation.unwrap_or(0.0));
-    let means = answer(Statistic::Mean, part, scale, &|response| {
-        Some(Number::sampled(response.mean, response.mean_standard_error))
-    });
-    let scale = deviation.unwrap_or(0.0);
-    let deviations =
-        answer(Statistic::StandardDeviation, "standard deviation", scale, &|response| {
-            let error = response.deviation_error();
-            Some(Number::sampled(response.standard_deviation?, error))
-        });
+    let means = answer(Statistic::Mean, part, scale, &|response| Some(response.mean()));
+    let (part, scale) = ("standard deviation", deviation.unwrap_or(0.0));
+    let deviations = answer(Statistic::StandardDeviation, part, scale, &Response::deviation);
     means.into_iter().chain(deviations).collect()
 }
 

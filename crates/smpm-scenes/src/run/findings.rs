@@ -94,6 +94,13 @@ fn notes(content: &Content, report: &mut Report) {
             short(Some(worst))
         )));
     }
+    let n_missed = responses().filter(|it| it.is_missed()).count();
+    if n_missed > 0 {
+        report.notes.push(Note::Warning(format!(
+            "the series leaves more than half of a deviation of check runs: {}; the response jumps or bends within a deviation: take a wider step, `sigma_points`, or samples",
+            counted(n_missed, "response")
+        )));
+    }
     report.notes.extend(content.notes.iter().cloned().map(Note::Remark));
 }
 
@@ -102,7 +109,7 @@ fn charts(content: &Content, time: &str, report: &mut Report) {
     let Some(first) = content.gauges.first() else { return };
     for (q, quantity) in first.quantities.iter().enumerate() {
         let point = |it: &Response| {
-            let mean = Number::sampled(it.mean, it.mean_standard_error).point(it.time());
+            let mean = it.mean().point(it.time());
             Point { how: it.how(), spread: it.standard_deviation, ..mean }
         };
         let line = |gauge: &GaugeResult| {
@@ -219,9 +226,9 @@ fn response_row(gauge: &GaugeResult, quantity: &QuantityResult, it: &Response) -
         Cell::text(quantity.unit),
         Cell::number(time, to),
         cell(Some(it.mean)),
-        short_cell(it.mean_standard_error),
+        short_cell(it.mean().error),
         cell(it.standard_deviation),
-        short_cell(it.deviation_error()),
+        short_cell(it.deviation().and_then(|it| it.error)),
         short_cell(trust.and_then(|it| it.curvature_ratio)),
         short_cell(trust.and_then(|it| it.switch_distance)),
     ]

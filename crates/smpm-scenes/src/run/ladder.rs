@@ -7,6 +7,7 @@ use scene_runs::scene::SceneFile;
 
 use super::solve::DIFFERENCE;
 use crate::method_scene::{DecisiveScene, MethodScene, MomentsScene, MultilevelScene};
+use crate::reading::FEWEST_SAMPLES;
 use crate::scene::SmpmScene;
 
 /// Smallest number of samples.
@@ -64,7 +65,7 @@ fn rung(scene: &SmpmScene, method: MethodScene, size: (f64, String)) -> Option<R
 }
 
 const fn sampled(control: bool) -> MethodScene {
-    MethodScene::MonteCarlo { samples: 2, seed: SEED, control }
+    MethodScene::MonteCarlo { samples: FEWEST_SAMPLES, seed: SEED, control }
 }
 
 /// Smallest number of points of a replica, and the number of replicas.

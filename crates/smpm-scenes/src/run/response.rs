@@ -1,9 +1,10 @@
 //! Responses of a plan with their moments.
 
 use perturbation_moments::{Estimate, Uncertainty};
-use result_figures::number::short;
+use result_figures::number::{percent, short};
+use scene_runs::answers::{ErrorOrigin, Number};
 use serde::Serialize;
-use smpm::uncertainty::{Series, Switch, exceedance_of_normal};
+use smpm::uncertainty::{MOST_FAILED, Series, SeriesError, Switch, exceedance_of_normal};
 use smpm::{Error, Plan, Window};
 
 use crate::scene::{RandomScene, SmpmScene};
@@ -25,6 +26,15 @@ pub(super) struct Response {
     pub(super) variance_standard_error: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) standard_deviation: Option<f64>,
+    /// Error of the mean of a Taylor series: twice the root mean square of what it leaves of whole runs that it has not used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mean_error: Option<f64>,
+    /// Likewise of its standard deviation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) standard_deviation_error: Option<f64>,
+    /// Share of the samples that ended in errors and did not count, if any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) failed_share: Option<f64>,
     /// Trust in a Taylor series.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) trust: Option<Indicators>,
@@ -50,14 +60,51 @@ impl Response {
         self.window[0] >= self.window[1]
     }
 
-    /// Error of the standard deviation, from that of the variance to first order.
-    pub(super) fn deviation_error(&self) -> Option<f64> {
-        let deviation = self.standard_deviation.filter(|&deviation| deviation > 0.0)?;
-        Some(self.variance_standard_error? / (2.0 * deviation))
+    /// The mean with its error.
+    pub(super) fn mean(&self) -> Number {
+        self.number(self.mean, self.mean_standard_error.or(self.mean_error))
+    }
+
+    /// The standard deviation with its error: from check runs, or from that of the variance to first order.
+    pub(super) fn deviation(&self) -> Option<Number> {
+        let deviation = self.standard_deviation?;
+        let first_order = || self.variance_standard_error.filter(|_| deviation > 0.0);
+        let sampled = || Some(first_order()? / (2.0 * deviation));
+        Some(self.number(deviation, self.standard_deviation_error.or_else(sampled)))
+    }
+
+    fn number(&self, value: f64, error: Option<f64>) -> Number {
+        let number = Number::sampled(value, error);
+        if self.mean_error.is_none() {
+            return number;
+        }
+        Number { error_kind: ErrorOrigin::CheckRuns, ..number }
+    }
+
+    /// Whether its series leaves more than half of the deviation of check runs.
+    pub(super) fn is_missed(&self) -> bool {
+        let [deviation, error] =
+            [self.standard_deviation, self.standard_deviation_error].map(|it| it.unwrap_or(0.0));
+        error > 0.5 * deviation
     }
 
     /// How the errors of its moments are known, in words.
     pub(super) fn how(&self) -> String {
+        if let Some(share) = self.failed_share {
+            let share = format!("{} of the samples ended in errors", percent(share));
+            return match self.mean_standard_error {
+                Some(_) => format!(
+                    "standard error of the samples; {share} and are taken within three deviations"
+                ),
+                None => format!(
+                    "error unknown: {share} and did not count, at most {} may",
+                    percent(MOST_FAILED)
+                ),
+            };
+        }
+        if self.mean_error.is_some() {
+            return "twice what the series leaves of check runs".to_owned();
+        }
         match (&self.trust, self.mean_standard_error, self.standard_deviation) {
             (_, Some(_), _) => "standard error of the samples".to_owned(),
             (Some(Indicators { curvature_ratio: Some(ratio), .. }), ..) => {
@@ -158,6 +205,9 @@ impl<const D: usize> Table<'_, D> {
                 variance: None,
                 variance_standard_error: None,
                 standard_deviation: None,
+                mean_error: None,
+                standard_deviation_error: None,
+                failed_share: None,
                 trust: None,
                 sobol_indices: Vec::new(),
                 change_from_coarser_grid: None,

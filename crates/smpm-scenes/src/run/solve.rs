@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use perturbation_moments::Jet;
 use scene_runs::checkpoint::Checkpoint;
 use scene_runs::kind::{EnsemblePart, Inputs, Run, RunError};
-use smpm::uncertainty::{FrozenForm, Sampled, Series, Study};
+use smpm::uncertainty::{FrozenForm, Sampled, Series, SeriesError, Study};
 use smpm::{Error, Plan, Simulation};
 
 use super::fields::Fields;
@@ -152,12 +152,16 @@ fn of_samples<const D: usize>(
         MethodScene::QuasiMonteCarlo { control: true, .. } => Some(sampled.polynomial_control()?),
         _ => None,
     };
+    let failed_share = Some(sampled.failed_share()).filter(|&share| share > 0.0);
     table.each(|i, response| {
         let mut shares = Vec::new();
         let found = match (&polynomial, surrogates.get(i)) {
             (Some(polynomial), _) => {
                 let found = polynomial.moments(&sampled.values(i)?)?;
-                shares = table.shares(&found.first, &found.total, Some(found.unexplained));
+                // Of correlated parameters the normals behind them have indices, and these are no shares of the parameters.
+                if table.scene.correlations.iter().all(|it| it.value == 0.0) {
+                    shares = table.shares(&found.first, &found.total, Some(found.unexplained));
+                }
                 found.moments
             }
             (None, Some(series)) => sampled.controlled(i, series)?,
@@ -171,7 +175,7 @@ fn of_samples<const D: usize>(
         let chances = table.levels(i).iter().map(|&level| sampled.exceedance(i, level));
         let moments = (&found.mean, &found.variance);
         let response = table.estimated(i, response, moments, ("count", chances))?;
-        Ok(Response { sobol_indices: shares, ..response })
+        Ok(Response { sobol_indices: shares, failed_share, ..response })
     })
 }
 
@@ -185,8 +189,17 @@ fn expanded<const D: usize>(
 ) -> Result<(Vec<Response>, u64), Error> {
     let n = experiment.n_random() as u64;
     let has_fields = !table.scene.random_fields.is_empty();
-    let of_series =
-        |series: Vec<Series>| table.each(|i, response| table.taylor(i, response, &series[i], None));
+    let of_series = |series: Vec<Series>| {
+        run.progress.stage("check runs of the series");
+        let errors = study.series_errors(&series)?;
+        let responses = table.each(|i, response| {
+            let SeriesError { mean, standard_deviation } = errors[i];
+            let (mean_error, standard_deviation_error) = (Some(mean), Some(standard_deviation));
+            let response = table.taylor(i, response, &series[i], None)?;
+            Ok(Response { mean_error, standard_deviation_error, ..response })
+        })?;
+        Ok::<_, Error>((responses, study.n_check_runs()))
+    };
     Ok(match table.scene.method {
         MethodScene::Deterministic
         | MethodScene::MonteCarlo { .. }
@@ -224,11 +237,13 @@ fn expanded<const D: usize>(
         }
         MethodScene::FiniteDifference { step } => {
             run.progress.stage("differences of whole runs");
-            (of_series(study.finite_difference(step)?)?, 2 * n)
+            let (responses, n_checks) = of_series(study.finite_difference(step)?)?;
+            (responses, 2 * n + n_checks)
         }
         MethodScene::ForwardDifference { step } => {
             run.progress.stage("one-sided differences of whole runs");
-            (of_series(study.forward_difference(step)?)?, n)
+            let (responses, n_checks) = of_series(study.forward_difference(step)?)?;
+            (responses, n + n_checks)
         }
         MethodScene::SigmaPoints => {
             run.progress.stage("sigma points");

@@ -15,6 +15,8 @@
 //! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
 //!
+//! [`Study::series_errors`] measures the errors of differences by four runs that they have not used.
+//!
 //! A room may know the grid, bodies and records of a run only through [`Simulation`](crate::Simulation); it touches no files and
 //! no clock.
 //!
@@ -26,6 +28,7 @@ mod frozen;
 mod inputs;
 mod keep;
 mod range;
+mod residual;
 mod runs;
 mod sampled;
 mod series;
@@ -38,7 +41,8 @@ pub use frozen::FrozenForm;
 pub use inputs::{Coefficients, Inputs};
 pub use keep::{Keep, SavedRun};
 pub use range::MOST_CHANCE_OUT_OF_RANGE;
-pub use sampled::{Sampled, exceedance_of_normal};
+pub use residual::SeriesError;
+pub use sampled::{MOST_FAILED, Sampled, exceedance_of_normal};
 pub use series::Series;
 pub use study::{Propagated, Study};
 pub use switch::Switch;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use perturbation_moments::{Estimate, MonteCarlo};
+use perturbation_moments::{Estimate, MonteCarlo, Uncertainty};
 use uq_estimators::{
     ControlledSamples, PolynomialControl, SampledMoments, SobolIndices, Surrogate,
 };
@@ -23,9 +23,19 @@ pub struct Sampled {
     /// Those that could be run, in order.
     samples: Vec<Sample>,
     /// Samples that could not be run and why: parameters out of range, or a run that left its own. They are not in any
-    /// moment.
+    /// moment. What they would have answered is unknown: above [`MOST_FAILED`] of all samples so is the error of each moment.
     pub failures: Vec<(u64, Error)>,
 }
+
+/// Share of failed samples above which the error of a moment is unknown: they are not those of any inputs but of some range of them.
+/// Up to it the error covers what they would have answered within three deviations of the mean of the others.
+pub const MOST_FAILED: f64 = 0.02;
+
+/// Distance within which a failed sample would have answered, in standard deviations of the others.
+const FARTHEST: f64 = 3.0;
+
+/// Fewest samples of a mean and a variance.
+const FEWEST: usize = 8;
 
 /// A sample that could be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,27 +118,29 @@ impl Sampled {
         self.samples.iter().map(of).collect()
     }
 
-    /// The first `n` of its samples.
+    /// The first `n` of its samples, and the failures before the next.
     #[must_use]
     pub fn first(&self, n: usize) -> Self {
-        Self {
-            design: self.design,
-            samples: self.samples.iter().take(n).cloned().collect(),
-            failures: self.failures.clone(),
+        let samples: Vec<Sample> = self.samples.iter().take(n).cloned().collect();
+        let mut failures = self.failures.clone();
+        if let Some(next) = self.samples.get(n) {
+            failures.retain(|(sample, _)| *sample < next.realisation);
         }
+        Self { design: self.design, samples, failures }
     }
 
     /// Mean and variance of a response without a control variate.
     ///
     /// # Errors
-    /// [`Error::NoSuchResponse`]; too few samples or one that is not finite, as [`ControlledSamples::raw`];
+    /// [`Error::NoSuchResponse`]; [`Error::SamplesFailed`]; too few samples or one that is not finite, as
+    /// [`ControlledSamples::raw`];
     /// [`Error::SampleOfDesign`], [`Error::SamplesMissing`] for a quasi-random design that is not whole.
     pub fn raw(&self, response: usize) -> Result<SampledMoments, Error> {
         let values = self.values(response)?;
         match self.design {
             Design::Random(judge) => {
                 let (samples, surrogates, seed) = (&values, &[], judge.seed);
-                Ok(ControlledSamples { samples, surrogates, seed }.raw()?)
+                Ok(self.of_the_rest(ControlledSamples { samples, surrogates, seed }.raw()?))
             }
             Design::QuasiRandom(cube) => {
                 self.require_whole()?;
@@ -160,7 +172,8 @@ impl Sampled {
         let samples = pairs.as_flattened();
         match self.design {
             Design::Random(judge) => {
-                Ok(ControlledSamples { samples, surrogates, seed: judge.seed }.estimate()?)
+                let samples = ControlledSamples { samples, surrogates, seed: judge.seed };
+                Ok(self.of_the_rest(samples.estimate()?))
             }
             Design::QuasiRandom(cube) => {
                 self.require_whole()?;
@@ -204,6 +217,50 @@ impl Sampled {
         Ok(cube.sobol_indices_of_runs(&values)?)
     }
 
+    /// Share of the samples that failed.
+    #[must_use]
+    pub fn failed_share(&self) -> f64 {
+        let n = self.samples.len() + self.failures.len();
+        self.failures.len() as f64 / n.max(1) as f64
+    }
+
+    /// Moments without the samples that failed, with what these may change.
+    fn of_the_rest(&self, moments: SampledMoments) -> SampledMoments {
+        if self.failures.is_empty() {
+            return moments;
+        }
+        let (share, variance) = (self.failed_share(), moments.variance.value.max(0.0));
+        let with = |estimate: Estimate, change: f64| Estimate {
+            uncertainty: match estimate.uncertainty {
+                Uncertainty::StandardError(error) if share <= MOST_FAILED => {
+                    Uncertainty::StandardError(error + share * change)
+                }
+                _ => Uncertainty::Unknown,
+            },
+            ..estimate
+        };
+        SampledMoments {
+            mean: with(moments.mean, FARTHEST * variance.sqrt()),
+            variance: with(moments.variance, FARTHEST * FARTHEST * variance),
+        }
+    }
+
+    /// Refuses fewer than eight samples that are left, with the reason of the first that failed.
+    fn require_enough(&self) -> Result<(), Error> {
+        let failed = self.failures.len();
+        match self.failures.first() {
+            Some((sample, reason)) if self.samples.len() < FEWEST => {
+                if !matches!(self.design, Design::Random(_)) {
+                    return self.require_whole();
+                }
+                let (sample, reason, n) =
+                    (*sample, reason.to_string(), self.samples.len() + failed);
+                Err(Error::SamplesFailed { failed, n, sample, reason })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Whether all runs of a quasi-random design are there.
     fn require_whole(&self) -> Result<(), Error> {
         if let Some((sample, reason)) = self.failures.first() {
@@ -219,8 +276,9 @@ impl Sampled {
     /// A response of every sample.
     ///
     /// # Errors
-    /// [`Error::NoSuchResponse`].
+    /// [`Error::NoSuchResponse`]; [`Error::SamplesFailed`] where failures leave fewer than eight.
     pub fn values(&self, response: usize) -> Result<Vec<f64>, Error> {
+        self.require_enough()?;
         let limit = self.samples.first().map_or(0, |sample| sample.responses.len());
         if response >= limit {
             return Err(Error::NoSuchResponse { value: response, limit });
@@ -230,7 +288,7 @@ impl Sampled {
 
     /// The share of samples in which a response exceeds a level; of the runs for Sobol' indices, of those at independent
     /// points. Its error follows from the replicas; that of independent samples, and of no or only hits, is that of
-    /// [`Estimate::probability`].
+    /// [`Estimate::probability`], and the share of samples that failed, which may all exceed it or none.
     ///
     /// # Errors
     /// As [`raw`](Self::raw), also where no sample could be run.
@@ -253,8 +311,15 @@ impl Sampled {
             }
             _ => {
                 let (value, limit) = (response, 0);
-                Estimate::probability(n_hits as u64, hits.len() as u64)
-                    .map_err(|_| Error::NoSuchResponse { value, limit })
+                let mut share = Estimate::probability(n_hits as u64, hits.len() as u64)
+                    .map_err(|_| Error::NoSuchResponse { value, limit })?;
+                if let Uncertainty::StandardError(error) | Uncertainty::Bound(error) =
+                    share.uncertainty
+                    && !self.failures.is_empty()
+                {
+                    share.uncertainty = Uncertainty::Bound((error + self.failed_share()).min(1.0));
+                }
+                Ok(share)
             }
         }
     }

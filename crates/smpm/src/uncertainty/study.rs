@@ -21,8 +21,12 @@ use crate::simulation::Simulation;
 const ONE_SIDE: &[f64] = &[1.0];
 const BOTH_SIDES: &[f64] = &[1.0, -1.0];
 
+/// Shortest step of differences, in standard deviations. Roundoff of a run, some 1e-14 of a response, is 1e-4 of it in a second
+/// difference over this step.
+const LEAST_STEP: f64 = 1e-5;
+
 /// Normals up to which different signs of all of them are tried as probes.
-const MOST_SIGNS: usize = 17;
+pub(super) const MOST_SIGNS: usize = 17;
 
 /// An experiment, the distribution of its inputs and a plan of outputs, with the reference run done.
 #[derive(Debug)]
@@ -246,10 +250,10 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
     }
 
     /// Taylor series by central differences of `2N` whole runs, `step` to either side of the reference run; an input without
-    /// deviation costs none.
+    /// deviation costs none. [`series_errors`](Self::series_errors) measures the errors of its moments by four more.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for the step; those of the experiment and of a run.
+    /// [`Error::ShortStep`], [`Error::Parameter`] for the step; those of the experiment and of a run.
     pub fn finite_difference(&self, step: f64) -> Result<Vec<Series>, Error> {
         let ends = self.star(step, BOTH_SIDES)?;
         let of = |(response, &value): (usize, &f64)| {
@@ -265,7 +269,8 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
     }
 
     /// Taylor series of first order by one-sided differences of `N` whole runs, `step` from the reference run: the variance by the
-    /// fewest runs; no second-order mean. A slope is wrong by half the step times the curvature.
+    /// fewest runs; no second-order mean. A slope is wrong by half the step times the curvature, and by jumps of the response over
+    /// the step: [`series_errors`](Self::series_errors) measures both.
     ///
     /// # Errors
     /// As [`finite_difference`](Self::finite_difference).
@@ -290,6 +295,9 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
     /// All responses at the ends of steps along each normal, at both sides or one.
     fn star(&self, distance: f64, sides: &[f64]) -> Result<Vec<Vec<f64>>, Error> {
         positive("step of differences", distance)?;
+        if distance < LEAST_STEP {
+            return Err(Error::ShortStep { value: distance, limit: LEAST_STEP });
+        }
         let n = self.n_normals();
         let ends: Vec<(usize, f64)> =
             (0..n).flat_map(|k| sides.iter().map(move |side| (k, side * distance))).collect();
@@ -317,7 +325,7 @@ pub(super) fn unit(n: usize, k: usize) -> Vec<f64> {
 }
 
 /// Different directions of signs of the first normals, the first always `+`: all that there are, or as many as asked for.
-fn signs(n_normals: usize, n: usize) -> Vec<Vec<f64>> {
+pub(super) fn signs(n_normals: usize, n: usize) -> Vec<Vec<f64>> {
     if n_normals == 0 || n_normals > MOST_SIGNS {
         return Vec::new();
     }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use perturbation_moments::{Marginal, MonteCarlo, RandomVector};
+use perturbation_moments::{Marginal, MonteCarlo, RandomVector, Uncertainty};
 use smpm::material::library::steel_equation;
 use smpm::material::{Fluid, MieGruneisen, MieGruneisenParameters, Solid, Units};
 use smpm::uncertainty::{Design, Experiment, FrozenForm, Study, exactly, exceedance_of_normal};
@@ -90,6 +90,57 @@ fn one_sided_differences_give_the_variance_of_central_ones_by_half_the_runs() {
         assert!((a / b - 1.0).abs() < 9e-4, "{a} {b}");
         assert!(a.to_bits() != b.to_bits());
     }
+    // What is left of the check runs is at least what a wide star sees and the slopes do not.
+    let narrow = study.forward_difference(step).unwrap();
+    let errors = study.series_errors(&narrow).unwrap();
+    let wide = study.sigma_points().unwrap();
+    for ((narrow, error), wide) in narrow.iter().zip(&errors).zip(&wide) {
+        let [a, b] = [narrow.variance(), wide.surrogate_variance()].map(f64::sqrt);
+        assert!((a - b).abs() < error.standard_deviation, "{a} {b} {error:?}");
+        assert!((narrow.mean() - wide.mean()).abs() < error.mean, "{error:?}");
+        assert!(error.standard_deviation < 0.2 * a, "{a} {error:?}");
+    }
+    assert_eq!(study.n_check_runs(), 4);
+    assert!(matches!(study.forward_difference(1e-13), Err(Error::ShortStep { .. })));
+}
+
+/// Fails where the first so many inputs are above their centre, all of them: never along one of them alone.
+#[derive(Debug)]
+struct FailsInACorner(PlateImpact, usize);
+
+impl Experiment<1> for FailsInACorner {
+    fn simulation<S: Number>(&self, x: &[S]) -> Result<Simulation<S, 1>, Error> {
+        let centre = inputs(0.05).centre();
+        if self.1 <= x.len()
+            && x.iter().zip(centre).take(self.1).all(|(x, centre)| x.value() > centre)
+        {
+            return Err(Error::NoBody);
+        }
+        self.0.simulation(x)
+    }
+}
+
+#[test]
+fn samples_that_failed_leave_a_known_error_only_where_they_are_few() {
+    let share = |experiment: FailsInACorner, n_samples: u64| {
+        let study = Study::new(&experiment, inputs(0.05), plan()).unwrap();
+        let sampled = study.monte_carlo(MonteCarlo { seed: 3, n_samples }).unwrap();
+        (sampled.failed_share(), sampled.raw(0), sampled.exceedance(0, 0.9))
+    };
+    let none = share(FailsInACorner(PlateImpact { speed: 0.2 }, 4), 40);
+    assert!(none.0 == 0.0 && none.1.unwrap().mean.standard_error().is_some());
+    let (failed, moments, chance) = share(FailsInACorner(PlateImpact { speed: 0.2 }, 2), 40);
+    assert!((0.1..0.4).contains(&failed), "{failed}");
+    let moments = moments.unwrap();
+    for moment in [moments.mean, moments.variance] {
+        assert_eq!(moment.uncertainty, Uncertainty::Unknown);
+    }
+    // All of those that failed may be above the level, or none.
+    let found = chance.unwrap();
+    assert!(matches!(found.uncertainty, Uncertainty::Bound(error) if error > failed), "{found:?}");
+    let (_, moments, _) = share(FailsInACorner(PlateImpact { speed: 0.2 }, 2), 9);
+    let found = moments.unwrap_err();
+    assert!(matches!(found, Error::SamplesFailed { n: 9, .. }), "{found}");
 }
 
 /// Counts the simulations that are built.

@@ -33,17 +33,23 @@ impl UnitCube {
     /// $i$ at $c_i$, which is $a$ with the coordinate $i$ of $b$: $n R (p + 2)$ runs for $p$ inputs. With means
     /// $\langle \cdot \rangle$ over the points,
     ///
-    /// $$ S_i = \frac{\langle f_b f_{c_i} \rangle - m^2}{\tfrac12 \langle f_b^2 + f_{c_i}^2 \rangle - m^2}, \quad
+    /// $$ S_i = \frac{\langle f_b f_{c_i} \rangle - m^2 - \rho_i (\langle f_a f_b \rangle - m_{ab}^2)}
+    ///               {\tfrac12 \langle f_b^2 + f_{c_i}^2 \rangle - m^2}, \quad
     ///    m = \tfrac12 \langle f_b + f_{c_i} \rangle, \qquad
-    ///    T_i = \frac{\tfrac12 \langle (f_a - f_{c_i})^2 \rangle}{\tfrac12 \langle f_a^2 + f_{c_i}^2 \rangle - m_i^2}, \quad
+    ///    T_i = 1 - \rho_i = \frac{\tfrac12 \langle (f_a - f_{c_i})^2 \rangle}{\tfrac12 \langle f_a^2 + f_{c_i}^2 \rangle - m_i^2}, \quad
     ///    m_i = \tfrac12 \langle f_a + f_{c_i} \rangle . $$
+    ///
+    /// Responses at $a$ and $b$ are independent, so their covariance, about $m_{ab} = \tfrac12 \langle f_a + f_b \rangle$, is a
+    /// control variate. With the correlation $\rho_i$ of $f_a$ and $f_{c_i}$ as its coefficient the first-order index is as sharp
+    /// for small indices as by $f_b (f_{c_i} - f_a)$, which is $\rho_i = 1$, and as sharp for large ones as by $f_b f_{c_i}$, which
+    /// is $\rho_i = 0$.
     ///
     /// Values are from the points of all replicas, errors from the delete-one jackknife over the replicas, with which the
     /// bias of the ratios is removed. An index near zero may have a negative estimate.
     ///
-    /// Sources: Janon et al. 2014, Asymptotic normality and efficiency of two Sobol index estimators, eq 6 (first order);
-    /// Jansen 1999, Analysis of variance designs for model output (total); Saltelli et al. 2010, Variance based
-    /// sensitivity analysis of model output, table 2 (design); Efron and Tibshirani 1993, An introduction to the
+    /// Sources: Janon et al. 2014, Asymptotic normality and efficiency of two Sobol index estimators, eq 6 (first order,
+    /// $\rho_i = 0$); Saltelli et al. 2010, Variance based sensitivity analysis of model output, table 2 (design; first order by the
+    /// difference, $\rho_i = 1$); Jansen 1999, Analysis of variance designs for model output (total); Efron and Tibshirani 1993, An introduction to the
     /// bootstrap, chapter 11.
     ///
     /// ```
@@ -126,9 +132,10 @@ fn quantities(sums: &Comoments, p: usize) -> Vec<f64> {
         (about_mean(i, j) - shift, variance)
     };
     let mut found = Vec::with_capacity(2 * p + 4);
+    let (independent, _) = pair(0, 1);
     for i in 0..p {
-        let (covariance, variance) = pair(1, 2 + i);
-        found.push(covariance / variance);
+        let ((covariance, variance), (with_a, of_a)) = (pair(1, 2 + i), pair(0, 2 + i));
+        found.push((covariance - with_a / of_a * independent) / variance);
     }
     for i in 0..p {
         let (covariance, variance) = pair(0, 2 + i);

@@ -1,6 +1,6 @@
 //! Polynomial chaos as a control variate, fitted to the same samples.
 
-use sde_integrators::{Accumulator, Cholesky, Estimate};
+use sde_integrators::{Accumulator, Cholesky, Estimate, Uncertainty};
 
 use crate::error::{Error, require_at_least, require_finite_responses};
 use crate::rates::{jackknife, mean_square, with_error};
@@ -25,9 +25,11 @@ use crate::surrogates::normal_equations::factors_without_each_fold;
 ///
 /// What a polynomial of degree `d` leaves of a smooth response has mostly the next degree, and so heavy tails that few
 /// samples seldom show. The squared standard errors are those of the folds times $1 + \sqrt{(\kappa - 1)/n}$, one relative
-/// standard deviation of a sample variance more, with the kurtosis $\kappa$ of the Hermite polynomial of degree `d + 1`: 3,
-/// 15, 93, 639 for `d` from 0 to 3. For a bounded response this is more than is needed. For one whose coefficients fall slowly,
-/// such as $e^w$ with a normal $w$ of deviation 0.5, it is not enough: nominal 95 % of its variance are some 80 %.
+/// deviation of a sample variance more, with the kurtosis $\kappa$ of the Hermite polynomial of degree `d + 1`: 3,
+/// 15, 93, 639 for `d` from 0 to 3. The variance depends more on tails: with the share $q$ of the terms of degree `d` in the variance
+/// of the polynomial, its standard error is that of the folds times $\min(1 + 25 \sqrt q, 5)$, if that is more. Both factors were
+/// measured on $e^w$ with a normal $w$ of deviation 0.1 to 1; for a bounded response they are more than is needed.
+/// A polynomial with $q$ above a tenth that leaves more than a hundredth has not converged, and the error of the variance is unknown.
 ///
 /// Sources: Ghanem and Spanos 1991, Stochastic finite elements: a spectral approach (polynomial chaos); Sudret 2008,
 /// Global sensitivity analysis using polynomial chaos expansions, eqs 36 to 42 (Sobol' indices); Glasserman 2003, Monte
@@ -178,8 +180,12 @@ impl PolynomialControl {
         // The mean square of n values of kurtosis k has the relative variance (k - 1)/n.
         let unseen = ((KURTOSIS[best.degree] - 1.0) / y.len() as f64).sqrt();
         let factor = 1.0 + unseen;
-        let [mut mean, variance] = [&means, &variances].map(|folds| of_folds(folds, factor));
+        let (mut mean, mut variance) =
+            (of_folds(&means, factor), of_folds(&variances, factor.max(best.of_tails.powi(2))));
         mean.value += centre;
+        if best.has_not_converged {
+            variance.uncertainty = Uncertainty::Unknown;
+        }
         let (first, total) = self.indices(best, variance.value, factor);
         PolynomialMoments {
             moments: SampledMoments { mean, variance },
@@ -227,7 +233,17 @@ struct Fitted {
     of_all: Vec<f64>,
     /// Mean square of the samples that a fit has not seen over that of a constant.
     unexplained: f64,
+    /// Factor of the error of the variance for tails that few samples show.
+    of_tails: f64,
+    /// Whether the terms of the highest degree and what is left of the samples are large.
+    has_not_converged: bool,
 }
+
+/// Slope and limit of the factor for tails, by the root of the share of the highest degree.
+const TAILS: [f64; 2] = [25.0, 5.0];
+
+/// Share of the highest degree, and unexplained part, above which both a polynomial has not converged.
+const NOT_CONVERGED: [f64; 2] = [0.1, 0.01];
 
 impl Fitted {
     fn new(control: &PolynomialControl, y: &[f64], degree: usize) -> Self {
@@ -248,7 +264,13 @@ impl Fitted {
             fits.iter().take(control.n_folds).enumerate().map(without).collect();
         // The last factor is that of all samples.
         let of_all = fits.last().map_or_else(Vec::new, |fit| fit.solve(all));
-        let mut fitted = Self { degree, coefficients, of_all, unexplained: 0.0 };
+        let lower = if degree > 0 { control.basis.len_to(degree - 1) } else { p };
+        let (highest, all) = (square_sum(&of_all[lower..]), squares(&of_all));
+        let share = if all > 0.0 { highest / all } else { 0.0 };
+        let of_tails = (1.0 + TAILS[0] * share.sqrt()).min(TAILS[1]);
+        let (unexplained, has_not_converged) = (0.0, false);
+        let mut fitted =
+            Self { degree, coefficients, of_all, unexplained, of_tails, has_not_converged };
         let (mut left, mut whole) = (0.0, 0.0);
         for r in 0..control.n_folds {
             for (k, row) in control.fold(r) {
@@ -257,6 +279,8 @@ impl Fitted {
             }
         }
         fitted.unexplained = if whole > 0.0 { left / whole } else { 0.0 };
+        fitted.has_not_converged =
+            share > NOT_CONVERGED[0] && fitted.unexplained > NOT_CONVERGED[1];
         fitted
     }
 
@@ -274,5 +298,9 @@ fn of_folds(folds: &Accumulator, factor: f64) -> Estimate {
 
 /// Variance of a polynomial.
 fn squares(coefficients: &[f64]) -> f64 {
-    coefficients.iter().skip(1).map(|c| c * c).sum()
+    square_sum(coefficients.get(1..).unwrap_or_default())
+}
+
+fn square_sum(coefficients: &[f64]) -> f64 {
+    coefficients.iter().map(|c| c * c).sum()
 }

@@ -1,4 +1,6 @@
-//! Where a response along a line first exceeds a level.
+//! Where a response along a line exceeds a level.
+
+use sde_integrators::normal_probability;
 
 use crate::error::Error;
 
@@ -11,6 +13,71 @@ pub(crate) enum Crossing {
     Everywhere,
     /// At none.
     Nowhere,
+}
+
+impl Crossing {
+    /// Probability of all that is beyond it.
+    pub(crate) fn probability(self) -> f64 {
+        match self {
+            Self::Nowhere => 0.0,
+            Self::Everywhere => 1.0,
+            Self::At(s) => normal_probability(-s),
+        }
+    }
+
+    /// Whether the response is expected to exceed the level at a place.
+    fn exceeds(self, place: f64) -> bool {
+        match self {
+            Self::Nowhere => false,
+            Self::Everywhere => true,
+            Self::At(s) => place > s,
+        }
+    }
+}
+
+/// Probability of all intervals of a line on which the response exceeds the level, where they are not all that is beyond the crossing
+/// that is known; none where they are.
+///
+/// Looks at places a step apart, from the first one to `far`, and bisects between two of which one exceeds the level. Beyond the
+/// outermost places it goes on as there.
+pub(crate) fn several_crossings(
+    known: Crossing,
+    (first, step): (f64, f64),
+    far: f64,
+    mut excess: impl FnMut(f64) -> Result<f64, Error>,
+) -> Result<Option<f64>, Error> {
+    let mut places = Vec::new();
+    let mut s = first;
+    while s <= far {
+        places.push((s, excess(s)? > 0.0));
+        s += step;
+    }
+    if places.iter().all(|&(s, is_above)| is_above == known.exceeds(s)) {
+        return Ok(None);
+    }
+    if let Crossing::At(s) = known {
+        // The search for it ended above the level, within its tolerance.
+        places.push((s, true));
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    let mut probability = if places[0].1 { 1.0 } else { 0.0 };
+    for pair in places.windows(2) {
+        let [(mut low, is_above), (mut high, is_next)] = [pair[0], pair[1]];
+        if is_above == is_next {
+            continue;
+        }
+        while high - low > ROOT_ERROR / (1.0 + high.abs().max(low.abs())) {
+            let middle = 0.5 * (low + high);
+            if (excess(middle)? > 0.0) == is_above {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let beyond = normal_probability(-0.5 * (low + high));
+        probability += if is_next { beyond } else { -beyond };
+    }
+    Ok(Some(probability.max(0.0)))
 }
 
 /// Relative error of the probability beyond a crossing that a root may cause.

@@ -3,25 +3,24 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use sde_integrators::{
-    Estimate, Noise, Purpose, SubsetConfig, normal_probability, normal_quantile,
-};
+use sde_integrators::{Accumulator, Estimate, Noise, Purpose, SubsetConfig};
 
-use crate::comoments::Comoments;
 use crate::error::{Error, require_at_least, require_finite, require_positive};
 use crate::parallel::map_in_order;
 use crate::rates::with_error;
-use crate::tails::line_crossing::{Crossing, ROOT_ERROR, crossing};
+use crate::tails::line_crossing::{ROOT_ERROR, crossing, several_crossings};
 use crate::tails::normal_model::{ModelRuns, NormalModel, failed, value_at};
 use crate::tails::tail_design_point::{TailPoint, find};
 
 /// `P(g(z) > level)` of a response of independent standard normals, from one to thousands of them.
 ///
 /// [`design_point`](Self::design_point), then [`line_sampling`](Self::line_sampling). Every line is parallel to the direction
-/// $a$ of the design point, through a random point $z_\perp$ of the plane across it. With the place $s_k$ where the response along
-/// line $k$ exceeds the level,
+/// $a$ of the design point, through a random point $z_\perp$ of the plane across it. With the place $s_k$ from which on the response
+/// along line $k$ exceeds the level,
 ///
 /// $$ \hat p = \frac1n \sum_k \Phi(-s_k), \qquad g(z_{\perp, k} + s_k a) = \text{level} . $$
+///
+/// Where lines cross the level more than once, $\Phi(-s_k)$ gives way to the sum of the probabilities of all intervals above it.
 ///
 /// The weights depend on how much $s_k$ varies, not on the number of normals; those of a normal density about the design
 /// point become uneven where the surface is curved in many directions.
@@ -79,7 +78,8 @@ pub struct TailEstimate {
     pub probability: Estimate,
     /// Effective number of lines, $(\sum p)^2 / \sum p^2$ with the probability `p` of each; of runs for subset simulation.
     pub effective_lines: f64,
-    /// Lines of those checked on which the event is not everything beyond the crossing; the estimate is corrected for them.
+    /// Lines on which the event is not everything beyond one crossing, by all their crossings; where there is one among the lines
+    /// checked all lines are searched.
     pub n_several: u64,
     /// What it cost, without the design point.
     pub runs: ModelRuns,
@@ -98,12 +98,16 @@ const LARGEST_SHARE: f64 = 0.25;
 /// How far beyond the design point lines are followed: what is farther has a probability below `e^-32` of the first-order one.
 const BEYOND: f64 = 8.0;
 
-/// Part of a line.
+/// Distance of the places at which a line is checked, and of those at which every line is searched, in standard deviations.
+const CHECK_STEP: f64 = 1.0;
+const SEARCH_STEP: f64 = 0.5;
+
+/// Result of a line.
 struct Line {
-    /// Probability of the event on it, if it is all that is beyond the crossing.
+    /// Probability of the event on it.
     probability: f64,
-    /// What to add by the points of the check; none where it was not checked.
-    correction: Option<f64>,
+    /// Whether the event is not everything beyond one crossing, as far as was looked.
+    is_several: bool,
     values: u64,
 }
 
@@ -139,11 +143,13 @@ impl TailSampling<'_> {
 
     /// The probability by so many lines, at least 64.
     ///
-    /// A line costs about four values, one for a linear response. Every eighth line is checked at a random point beyond its
-    /// crossing and at one beyond the opposite place, and the estimate is corrected by the ratio that they show, so that events
-    /// on both sides count. An event nearer to the origin than the crossing on the same line is not seen.
+    /// A line costs about four values, one for a linear response. Every eighth line is checked at places one standard deviation
+    /// apart, from a random one on, on both sides of the origin. Where one of these shows another crossing all lines are searched for
+    /// crossings at half that distance, some fifty values a line. An event on the line narrower than that, away from the first
+    /// crossing, may not be seen, nor one that hardly any line meets: compare with [`subset`](Self::subset) where another design point
+    /// may exist in another direction.
     ///
-    /// The standard error is that of the lines and of the checks, with 1e-4 of the probability for the roots. Its square is
+    /// The standard error is that of the lines, with 1e-4 of the probability for the roots. Its square is
     /// enlarged by the factor one plus 20 over the effective number of lines, since probabilities of lines are skewed and
     /// few of them underestimate their scatter; the 20 was measured on paraboloids. With the feature `rayon` lines run in
     /// parallel on the current pool; the result is bitwise identical for any number of threads.
@@ -166,41 +172,45 @@ impl TailSampling<'_> {
         // NaN for the origin, which has no direction.
         require_finite("direction", 0, direction[0])?;
         let numbers: Vec<u64> = (0..n_lines).collect();
-        let lines = map_in_order(&numbers, |&number| self.line(point, &direction, number));
-        let (mut all, mut checked) = (Comoments::new(1), Comoments::new(2));
-        let (mut squares, mut largest, mut n_several) = (0.0, 0.0_f64, 0);
-        let mut runs = ModelRuns::default();
-        for line in lines {
-            let Line { probability: p, correction, values } = line?;
-            all.push(&[p]);
+        let check = |number: u64| number.is_multiple_of(CHECKED).then_some(CHECK_STEP);
+        let lines =
+            map_in_order(&numbers, |&number| self.line(point, &direction, number, check(number)));
+        let mut lines: Vec<Line> = lines.into_iter().collect::<Result<_, _>>()?;
+        let mut runs = ModelRuns { values: lines.iter().map(|it| it.values).sum(), gradients: 0 };
+        if lines.iter().any(|line| line.is_several) {
+            let search = |&number: &u64| self.line(point, &direction, number, Some(SEARCH_STEP));
+            lines = map_in_order(&numbers, search).into_iter().collect::<Result<_, _>>()?;
+            runs.values += lines.iter().map(|it| it.values).sum::<u64>();
+        }
+        let n_several = lines.iter().filter(|line| line.is_several).count() as u64;
+        let (mut all, mut squares, mut largest) = (Accumulator::default(), 0.0, 0.0_f64);
+        for Line { probability: p, .. } in lines {
+            all.push(p);
             squares += p * p;
             largest = largest.max(p);
-            runs.values += values;
-            if let Some(c) = correction {
-                checked.push(&[p, c]);
-                n_several += u64::from(c != 0.0);
-            }
         }
-        let (n, sum) = (n_lines as f64, all.mean(0) * n_lines as f64);
+        let (n, sum) = (n_lines as f64, all.mean() * n_lines as f64);
         let (effective, share) =
             if sum > 0.0 { (sum * sum / squares, largest / sum) } else { (0.0, 0.0) };
         if effective < FEWEST_EFFECTIVE || share > LARGEST_SHARE {
             let (fewest, most) = (FEWEST_EFFECTIVE, LARGEST_SHARE);
             return Err(Error::UnevenWeights { n_lines, effective, fewest, share, most });
         }
-        // What a check shows for each probability of the lines checked, and its remainder.
-        let on_checked = checked.mean(0);
-        let ratio = if on_checked > 0.0 { checked.mean(1) / on_checked } else { 0.0 };
-        let remainder = checked.variance_of(&[-ratio, 1.0]) / checked.count() as f64;
-        let value = all.mean(0) * (1.0 + ratio);
-        let variance = (1.0 + ratio).powi(2) * all.variance(0) / n + remainder;
+        let (value, variance) = (all.mean(), all.variance().unwrap_or(f64::INFINITY) / n);
         let skewed = 1.0 + FEWEST_EFFECTIVE / effective;
         let standard_error = (variance * skewed + (ROOT_ERROR * value).powi(2)).sqrt();
         let probability = with_error(value, standard_error);
         Ok(TailEstimate { probability, effective_lines: effective, n_several, runs })
     }
 
-    fn line(&self, point: &TailPoint, direction: &[f64], number: u64) -> Result<Line, Error> {
+    /// A line, searched for further crossings at this distance of places, if any.
+    fn line(
+        &self,
+        point: &TailPoint,
+        direction: &[f64],
+        number: u64,
+        step: Option<f64>,
+    ) -> Result<Line, Error> {
         let mut stream = Noise::new(self.seed).stream(Purpose::Field, number);
         let mut base = vec![0.0; direction.len()];
         stream.fill_normal(&mut base);
@@ -216,27 +226,14 @@ impl TailSampling<'_> {
         };
         let far = point.reliability_index + BEYOND;
         let found = crossing((point.reliability_index, point.slope, far), &mut excess)?;
-        let is_checked = number.is_multiple_of(CHECKED);
-        let (probability, correction) = match found {
-            Crossing::Nowhere => (0.0, 0.0),
-            Crossing::Everywhere => (1.0, 0.0),
-            Crossing::At(s) => {
-                let p = normal_probability(-s);
-                let mut correction = 0.0;
-                if is_checked {
-                    // A point beyond the crossing, distributed as the normal there.
-                    let t = -normal_quantile(stream.next_uniform() * p);
-                    if excess(t)? <= 0.0 {
-                        correction -= p;
-                    }
-                    if s > 0.0 && excess(-t)? > 0.0 {
-                        correction += p;
-                    }
-                }
-                (p, correction)
-            }
-        };
-        Ok(Line { probability, correction: is_checked.then_some(correction), values })
+        let (mut probability, mut is_several) = (found.probability(), false);
+        if let Some(step) = step {
+            let from = (step * stream.next_uniform() - far, step);
+            let several = several_crossings(found, from, far, &mut excess)?;
+            is_several = several.is_some();
+            probability = several.unwrap_or(probability);
+        }
+        Ok(Line { probability, is_several, values })
     }
 
     /// The probability by subset simulation, [`sde_integrators::subset_simulation`], which needs no gradient and no design

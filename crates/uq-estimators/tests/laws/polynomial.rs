@@ -53,6 +53,45 @@ fn a_smooth_response_is_known_much_better_than_without() {
     }
 }
 
+/// Shares of 100 intervals of 95 % of a variance that hold, and of those without a known error.
+fn coverage(response: &dyn Fn(&[f64]) -> f64, exact: f64, n_points: u64) -> [f64; 2] {
+    let (mut held, mut unknown) = (0.0, 0.0);
+    for seed in 0..100 {
+        let sampling = Sampling::ScrambledSobol;
+        let cube = UnitCube { dimension: 3, sampling, seed, n_points, n_replicas: 16 };
+        let inputs = inputs(&cube);
+        let values: Vec<f64> = inputs.chunks_exact(3).map(response).collect();
+        let found = PolynomialControl::new(&inputs, 3, 16).unwrap().moments(&values).unwrap();
+        match found.moments.variance.standard_error() {
+            // Student's factor with 15 degrees of freedom.
+            Some(error) if (found.moments.variance.value - exact).abs() < 2.13 * error => {
+                held += 0.01;
+            }
+            Some(_) => {}
+            None => unknown += 0.01,
+        }
+    }
+    [held, unknown]
+}
+
+#[test]
+fn intervals_of_a_variance_hold_on_steep_responses_or_their_error_is_unknown() {
+    for deviation in [0.1, 0.3, 0.55, 0.75] {
+        let slope = deviation / 3_f64.sqrt();
+        let exact = (deviation * deviation).exp() * (deviation * deviation).exp_m1();
+        let response = |z: &[f64]| (slope * z.iter().sum::<f64>()).exp();
+        for n_points in [8, 32] {
+            let [held, unknown] = coverage(&response, exact, n_points);
+            // 95 %, less four standard deviations of 2.2 %.
+            assert!(held + unknown > 0.86, "{deviation} {n_points}: {held} {unknown}");
+            assert!(unknown < 0.2, "{deviation} {n_points}: {unknown}");
+        }
+    }
+    // A kink, which no polynomial follows.
+    let [held, unknown] = coverage(&|z| z[0].abs(), 1.0 - std::f64::consts::FRAC_2_PI, 16);
+    assert!(held + unknown > 0.86 && unknown > 0.5, "{held} {unknown}");
+}
+
 #[test]
 fn a_response_without_structure_is_left_as_it_is_and_a_constant_has_no_variance() {
     let cube = UnitCube {

@@ -57,8 +57,8 @@ fn a_linear_response_is_exact_at_once() {
     let exact = normal_probability(-4.5);
     assert!((point.first_order_probability() / exact - 1.0).abs() < 1e-11);
     assert!((found.probability.value / exact - 1.0).abs() < 1e-11, "{found:?}");
-    // One value a line, and two more on each of the eight that are checked.
-    assert_eq!((found.runs.values, found.n_several), (64 + 16, 0));
+    // One value a line, and 25 places from -12.5 to 12.5 on each of the eight that are checked.
+    assert_eq!((found.runs.values, found.n_several), (64 + 8 * 25, 0));
     assert!((found.effective_lines - 64.0).abs() < 1e-6);
     // Differences find the same point.
     let without = TailSampling { model: &plain(300, value), ..tail };
@@ -91,6 +91,38 @@ fn both_sides_of_an_ellipse_count() {
     let error = found.probability.standard_error().unwrap();
     assert!((found.probability.value - exact).abs() < 4.0 * error, "{found:?} {exact}");
     assert!(error < 0.02 * exact && found.n_several > 480, "{found:?}");
+}
+
+/// Events nearer to the origin than the opposite of the crossing, farther, and behind a crossing on the same side.
+#[test]
+fn all_crossings_of_a_line_count() {
+    let beyond = |s: f64| normal_probability(-s);
+    let cases: [(&(dyn Fn(f64) -> f64 + Sync), f64); 4] = [
+        (&|x| (x - 3.1).max(-x - 2.7), beyond(3.1) + beyond(2.7)),
+        (&|x| (x - 3.1).max(-x - 3.6), beyond(3.1) + beyond(3.6)),
+        // A band.
+        (&|x| 0.4 * (x - 2.9) * (3.6 - x), beyond(2.9) - beyond(3.6)),
+        // A band, and everything from farther out on.
+        (&|x| (x - 2.8) * (x - 3.3) * (x - 3.9), beyond(2.8) - beyond(3.3) + beyond(3.9)),
+    ];
+    for (k, (of_line, exact)) in cases.into_iter().enumerate() {
+        let model = plain(6, |z: &[f64]| of_line(z.iter().sum::<f64>() / 6_f64.sqrt()));
+        let tail = TailSampling { model: &model, level: 0.0, seed: 7 };
+        let point = tail.design_point_from(&[2.8 / 6_f64.sqrt(); 6]).unwrap();
+        let found = tail.line_sampling(&point, 80).unwrap();
+        let ratio = found.probability.value / exact;
+        // The roots.
+        assert!((ratio - 1.0).abs() < 4e-4, "{k}: {found:?} {exact}");
+        assert_eq!(found.n_several, 80);
+    }
+    // The other side is tilted.
+    let model = plain(3, |z: &[f64]| (z[0] - 2.2).max(-z[0] - 2.0 - 0.3 * z[1]));
+    let tail = TailSampling { model: &model, level: 0.0, seed: 8 };
+    let point = tail.design_point_from(&[2.0, 0.0, 0.0]).unwrap();
+    let exact = beyond(2.2) + beyond(2.0 / 1.09_f64.sqrt());
+    let found = tail.line_sampling(&point, 2000).unwrap().probability;
+    let error = found.standard_error().unwrap();
+    assert!((found.value - exact).abs() < 4.0 * error && error < 0.02 * exact, "{found:?}");
 }
 
 /// In 200 dimensions no direction of a sphere is important: refused, and subset simulation serves.

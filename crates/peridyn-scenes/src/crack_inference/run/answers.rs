@@ -28,7 +28,7 @@ fn of_parameter(of: &ParameterRecord) -> [Answer; 2] {
         Statistic::StandardDeviation,
         AnswerValue::of(of.standard_deviation),
     );
-    let verdict = if of.is_identified { "identified" } else { "not identified" };
+    let verdict = of.verdict;
     let spread = deviation.shown().value_and_error();
     let remark = Some(format!("{verdict}; standard deviation {spread}"));
     let mean = Answer {

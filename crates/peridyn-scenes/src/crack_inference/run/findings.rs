@@ -5,7 +5,7 @@ use result_pages::{Cell, Chart, Note, Point, Series};
 use scene_runs::answers::Number;
 use scene_runs::report::{Report, cell, chart, given_cell, number_cells, short_cell, table};
 
-use super::posterior_record::{Bin, Correlation, ParameterRecord};
+use super::posterior_record::{AT_BOUND, Bin, Correlation, NOT_IDENTIFIED, ParameterRecord};
 use super::predictive::{Band, Compared};
 use super::record::{Content, Fit};
 use crate::crack_inference::scene::{InferenceScene, ScaleScene};
@@ -72,6 +72,21 @@ fn notes(content: &Content) -> Vec<Note> {
             percent(share.value)
         ));
     }
+    for of in content.predictive.summaries.iter().filter(|it| it.is_outside) {
+        warn(format!(
+            "{}: {} of the measured values lie inside what the posterior predicts, {} to {}: check their unit, or the model is another",
+            of.summary,
+            percent(of.inside.value),
+            short(Some(of.band.low.value)),
+            short(Some(of.band.high.value))
+        ));
+    }
+    for of in content.parameters.iter().filter(|of| of.verdict == AT_BOUND) {
+        warn(format!(
+            "{}: the posterior lies at a bound of its prior, which decides on its mean and width: widen the bounds in `parameters`, or the data are not of this model",
+            of.key
+        ));
+    }
     if content.emulator.least_share < LEAST_SHARE {
         warn(format!(
             "at one point of the design only {} of the cracks come to all abscissae; the likelihood is that of these",
@@ -85,7 +100,7 @@ fn notes(content: &Content) -> Vec<Note> {
             counted(plates, "measured plate")
         ));
     }
-    for of in content.parameters.iter().filter(|of| !of.is_identified) {
+    for of in content.parameters.iter().filter(|of| of.verdict == NOT_IDENTIFIED) {
         notes.push(Note::Remark(format!(
             "{}: the data say less of it than the prior; its posterior is more the prior than the data",
             of.key
@@ -130,8 +145,7 @@ fn charts(scene: &InferenceScene, content: &Content, report: &mut Report) {
 
 fn tables_of_posterior(content: &Content, report: &mut Report) {
     let row = |of: &ParameterRecord| {
-        let verdict = if of.is_identified { "identified" } else { "not identified" };
-        let start = [Cell::text(of.key.clone()), Cell::text(verdict)];
+        let start = [Cell::text(of.key.clone()), Cell::text(of.verdict)];
         let end = [
             cell(Some(of.r_hat)),
             short_cell(Some(of.effective_sample_size)),
@@ -230,6 +244,7 @@ mod tests {
             quantiles: Vec::new(),
             contraction: number(0.9),
             is_identified: true,
+            verdict: "identified",
             r_hat: 1.001,
             effective_sample_size: 900.0,
             error_of_ensembles: 0.01,

@@ -11,6 +11,11 @@ use serde::Serialize;
 
 use crate::run::Quantile;
 
+/// Verdicts on a parameter whose data the model predicts.
+const IDENTIFIED: &str = "identified";
+pub(super) const AT_BOUND: &str = "at the bound of the prior";
+pub(super) const NOT_IDENTIFIED: &str = "not identified";
+
 /// Bins of a marginal distribution, of equal width on the scale of the parameter.
 const BINS: usize = 24;
 
@@ -26,7 +31,9 @@ pub(super) struct ParameterRecord {
     pub(super) quantiles: Vec<Quantile>,
     /// One less the variance of the posterior over that of the prior, on the scale.
     pub(super) contraction: Number,
+    /// Whether the data determine it: they contract its prior, no bound cuts its posterior, and the model predicts them.
     pub(super) is_identified: bool,
+    pub(super) verdict: &'static str,
     pub(super) r_hat: f64,
     pub(super) effective_sample_size: f64,
     /// Standard error of the mean on the scale of the parameter that the finite ensembles of the design leave; the average over
@@ -61,7 +68,14 @@ pub(super) fn parameters(
     posterior: &Posterior,
     emulator: &Emulator,
     data: &Observations,
+    is_predicted: bool,
 ) -> Result<Vec<ParameterRecord>, RunError> {
+    let verdict = |of: &ParameterPosterior| match of.verdict {
+        _ if !is_predicted => "data outside the predictions",
+        Verdict::Identified => IDENTIFIED,
+        Verdict::AtBound => AT_BOUND,
+        Verdict::NotIdentified => NOT_IDENTIFIED,
+    };
     let errors = emulator
         .error_of_means(&posterior.thinned(DRAWS).map_err(RunError::solver)?, data)
         .map_err(RunError::solver)?;
@@ -71,7 +85,8 @@ pub(super) fn parameters(
         standard_deviation: of.standard_deviation.into(),
         quantiles: Quantile::all(&POSTERIOR_QUANTILES, &of.quantiles),
         contraction: of.contraction.into(),
-        is_identified: of.verdict == Verdict::Identified,
+        is_identified: is_predicted && of.verdict == Verdict::Identified,
+        verdict: verdict(of),
         r_hat: of.r_hat,
         effective_sample_size: of.effective_sample_size,
         error_of_ensembles: errors[i],

@@ -33,6 +33,8 @@ pub(super) struct Compared {
     pub(super) summary: String,
     /// Share of the measured values inside the band.
     pub(super) inside: Number,
+    /// Whether so few are inside by accident in less than one case of 500, or more than half are farther from the band than its width.
+    pub(super) is_outside: bool,
     #[serde(flatten)]
     pub(super) band: Band,
     /// Number of measured values inside the band, and of all.
@@ -89,12 +91,22 @@ impl Predicted<'_> {
         let compared = |(i, values): (usize, &Vec<Vec<f64>>)| {
             let band = band(values)?;
             let inside = |row: &&[f64]| (band.low.value..=band.high.value).contains(&row[i]);
+            let width = band.high.value - band.low.value;
+            let near = band.low.value - width..=band.high.value + width;
+            let n_far = measured.rows().filter(|row| !near.contains(&row[i])).count();
             let counts @ [inside, plates] =
                 [measured.rows().filter(inside).count(), measured.n_realisations()]
                     .map(|count| count as u64);
+            let is_outside = 2 * n_far as u64 > plates || at_most(inside, plates) < ACCIDENT;
             let inside = Estimate::probability(inside, plates).map_err(RunError::solver);
             let summary = names[i].clone();
-            Some(inside.map(|inside| Compared { summary, inside: inside.into(), band, counts }))
+            Some(inside.map(|inside| Compared {
+                summary,
+                inside: inside.into(),
+                is_outside,
+                band,
+                counts,
+            }))
         };
         values.iter().enumerate().filter_map(compared).collect()
     }
@@ -136,6 +148,19 @@ fn heights(record: &CrackRecord, abscissae: &[f64]) -> Result<Vec<Option<f64>>, 
     }
     let path = CrackPath::from_points(record.path.clone())?;
     Ok(abscissae.iter().map(|&x| path.height_at(x)).collect())
+}
+
+/// Probability of so few values inside the bands by accident, below which they are outside.
+const ACCIDENT: f64 = 2e-3;
+
+/// Probability that of `n` values at most so many are inside a band of 90 %: binomial.
+fn at_most(inside: u64, n: u64) -> f64 {
+    let (mut term, mut sum) = (0.1_f64.powf(n as f64), 0.0);
+    for k in 0..=inside {
+        sum += term;
+        term *= 9.0 * (n - k) as f64 / (k + 1) as f64;
+    }
+    sum
 }
 
 /// Share of all measured values that lie inside their bands.
@@ -206,6 +231,15 @@ mod tests {
     }
 
     #[test]
+    fn few_values_inside_are_an_accident_as_often_as_the_binomial_distribution_says() {
+        // 0.1^3; 1 - 0.9^2; all.
+        for (inside, n, expected) in [(0, 3, 1e-3), (1, 2, 0.19), (16, 16, 1.0)] {
+            assert!((at_most(inside, n) - expected).abs() < 1e-12);
+        }
+        assert!(at_most(11, 16) > ACCIDENT && at_most(9, 16) < ACCIDENT);
+    }
+
+    #[test]
     fn the_share_counts_plates_and_not_values() {
         let number = Number::sampled(0.5, None);
         let band = Band { values: 1, low: number, median: number, high: number };
@@ -213,6 +247,7 @@ mod tests {
             summary: String::new(),
             inside: number,
             band,
+            is_outside: false,
             counts: [inside, 10],
         };
         let found = share(&[of(10), of(8)]).unwrap();

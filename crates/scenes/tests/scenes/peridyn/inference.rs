@@ -107,6 +107,41 @@ fn every_number_of_a_posterior_has_its_error_and_the_truth_lies_in_it() {
     }
 }
 
+#[test]
+fn loads_in_another_unit_are_no_identification() {
+    let [paths, loads] = &*PLATES;
+    let in_kilonewton: String = loads.lines().fold(String::new(), |mut all, line| {
+        let (name, load) = line.split_once(',').unwrap();
+        match load.parse::<f64>() {
+            Ok(load) => writeln!(all, "{name},{}", 1e-3 * load).unwrap(),
+            Err(_) => writeln!(all, "{line}").unwrap(),
+        }
+        all
+    });
+    let ran = inferred(INFERENCE, files_with(MODEL, [paths, &in_kilonewton]));
+    let result = ran.result();
+    let of = &result["parameters"][0];
+    assert_eq!(of["is_identified"], false);
+    assert_eq!(of["verdict"], "data outside the predictions");
+    let outside: Vec<bool> = result["predictive"]["summaries"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|summary| summary["is_outside"].as_bool().unwrap())
+        .collect();
+    assert_eq!(outside, [false, true]);
+}
+
+#[test]
+fn a_file_that_is_no_scene_is_not_shown() {
+    let [paths, loads] = &*PLATES;
+    let secret = "# a line\nuser = someone\n";
+    let ran = inferred(INFERENCE, files_with(secret, [paths, loads]));
+    let Err(RunError::Scene(error)) = &ran.written else { panic!("{:?}", ran.written) };
+    assert_eq!(ran.mistake().path, "plate");
+    assert!(!format!("{error:?}").contains("someone"), "{error:?}");
+}
+
 const KEY: &str = "material.toughness.energy_release_rate";
 
 #[test]

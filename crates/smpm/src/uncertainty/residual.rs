@@ -1,0 +1,185 @@
+//! What a Taylor series leaves of whole runs that it has not used.
+
+use perturbation_moments::MonteCarlo;
+
+use super::experiment::Experiment;
+use super::series::Series;
+use super::study::{MOST_SIGNS, Study, signs};
+use crate::error::Error;
+use crate::parallel::map_in_order;
+use crate::record::gathered::Plain;
+
+/// Directions of check runs; two runs each.
+const N_CHECKS: usize = 2;
+
+/// Errors of a series in root mean squares of its residuals. A linear error is that much or less in 78 of 100 cases: with two
+/// directions its square is covered with the probability `exp(-1/4)`.
+const COVERAGE: f64 = 2.0;
+
+/// Seed of the signs of many normals.
+const SEED: u64 = 0x5eed;
+
+/// Errors of mean and standard deviation of a [`Series`], measured by runs that it has not used.
+///
+/// Along directions $u$ of signs $\pm 1$, one deviation of every normal at once,
+///
+/// $$ r = \tfrac12 (y(u) - y(-u)) - g \cdot u, \qquad
+///    c = \tfrac12 (y(u) + y(-u)) - y_0 - \tfrac12 \sum_k h_k . $$
+///
+/// A wrong gradient $g + \delta$ has $\operatorname{E} r^2 = \lvert \delta \rvert^2$, mixed curvature
+/// $\operatorname{E} c^2 = \tfrac12 \sum_{j \ne k} H_{jk}^2$. With root mean squares $\bar r$ and $\bar c$ over two directions the
+/// error of the mean is $2 \bar c$, that of the standard deviation $s$
+///
+/// $$ 2 \bar r + \sqrt{s^2 + \tfrac12 \sum_k h_k^2 + (2 \bar c)^2} - s . $$
+///
+/// Own curvatures of one-sided differences, which have none, are in $\bar c$ by their sum.
+/// So a response that jumps between neighbouring inputs, as where particles fail in one run and not in the next, has an error as large
+/// as its deviation, however small the step of the differences.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeriesError {
+    /// Error of [`Series::mean`], in the unit of the response.
+    pub mean: f64,
+    /// Error of the root of [`Series::variance`], in the unit of the response.
+    pub standard_deviation: f64,
+}
+
+impl SeriesError {
+    /// From the responses at both ends of each direction.
+    fn new(series: &Series, directions: &[Vec<f64>], pairs: &[[f64; 2]]) -> Self {
+        let (mut odd, mut even) = (0.0, 0.0);
+        for ([plus, minus], u) in pairs.iter().zip(directions) {
+            let slope: f64 = series.gradient.iter().zip(u).map(|(g, u)| g * u).sum();
+            odd += (0.5 * (plus - minus) - slope).powi(2);
+            // The squares of signs are one: the curvature of the series is in its mean.
+            even += (0.5 * ((plus - series.mean()) + (minus - series.mean()))).powi(2);
+        }
+        let n = pairs.len().max(1) as f64;
+        let [odd, even] = [odd, even].map(|sum| COVERAGE * (sum / n).sqrt());
+        let curved = series.surrogate_variance() + even * even;
+        let standard_deviation = odd + (curved.sqrt() - series.variance().sqrt());
+        Self { mean: even, standard_deviation }
+    }
+}
+
+impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
+    /// Errors of the series of all responses from four whole runs that they have not used; two for one random input.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchResponse`] for another number of series; those of the experiment and of a run.
+    pub fn series_errors(&self, series: &[Series]) -> Result<Vec<SeriesError>, Error> {
+        let (value, limit) = (series.len(), self.runs.plan.n_responses());
+        if value != limit {
+            return Err(Error::NoSuchResponse { value, limit });
+        }
+        let directions = self.check_directions();
+        let ends: Vec<(usize, f64)> =
+            (0..directions.len()).flat_map(|k| [(k, 1.0), (k, -1.0)]).collect();
+        let run = |&(k, side): &(usize, f64)| {
+            let normals: Vec<f64> = directions[k].iter().map(|sign| side * sign).collect();
+            let mut simulation = self.simulation_at(&normals)?;
+            let name = format!("check run at {side} along {k}");
+            self.runs.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
+        };
+        let ends: Vec<Vec<f64>> =
+            map_in_order(&ends, &run).into_iter().collect::<Result<_, _>>()?;
+        let of = |(response, series): (usize, &Series)| {
+            let pairs: Vec<[f64; 2]> =
+                ends.chunks_exact(2).map(|pair| [pair[0][response], pair[1][response]]).collect();
+            SeriesError::new(series, &directions, &pairs)
+        };
+        Ok(series.iter().enumerate().map(of).collect())
+    }
+
+    /// Number of runs of [`series_errors`](Self::series_errors).
+    #[must_use]
+    pub fn n_check_runs(&self) -> u64 {
+        2 * self.check_directions().len() as u64
+    }
+
+    /// Different directions of signs.
+    fn check_directions(&self) -> Vec<Vec<f64>> {
+        let (n, all) = (self.inputs.n_random(), self.n_normals());
+        let mut directions = signs(n, N_CHECKS);
+        if n > MOST_SIGNS {
+            let sign = |normal: &f64| normal.signum();
+            let of = |k: usize| {
+                let mut normals = vec![0.0; n];
+                MonteCarlo { seed: SEED, n_samples: 0 }.fill_normals(k as u64, &mut normals);
+                normals.iter().map(sign).collect()
+            };
+            directions = (0..N_CHECKS).map(of).collect();
+        }
+        for signs in &mut directions {
+            signs.resize(all, 0.0);
+        }
+        directions
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The error of a series whose differences have these slopes, against a response.
+    fn error_of(y: &dyn Fn(&[f64]) -> f64, gradient: &[f64]) -> SeriesError {
+        let n = gradient.len();
+        let (value, curvature) = (y(&vec![0.0; n]), Vec::new());
+        let series = Series { value, gradient: gradient.to_vec(), curvature, mixed_squares: None };
+        let directions = signs(n, N_CHECKS);
+        let ends = |u: &Vec<f64>| {
+            let other: Vec<f64> = u.iter().map(|u| -u).collect();
+            [y(u), y(&other)]
+        };
+        let pairs: Vec<[f64; 2]> = directions.iter().map(ends).collect();
+        SeriesError::new(&series, &directions, &pairs)
+    }
+
+    fn normals(case: u64, n: usize) -> Vec<f64> {
+        let mut normals = vec![0.0; n];
+        MonteCarlo { seed: 11, n_samples: 0 }.fill_normals(case, &mut normals);
+        normals
+    }
+
+    #[test]
+    fn errors_of_wrong_slopes_hold_however_many_inputs_there_are() {
+        let length = |g: &[f64]| g.iter().map(|g| g * g).sum::<f64>().sqrt();
+        for n in [1, 2, 3, 5, 8, 17] {
+            for noise in [0.05, 0.5, 20.0] {
+                let held = |case: &u64| {
+                    let (right, wrong) = (normals(2 * case, n), normals(2 * case + 1, n));
+                    let slopes: Vec<f64> =
+                        right.iter().zip(wrong).map(|(g, e)| g + noise * e).collect();
+                    let linear =
+                        |t: &[f64]| 3.0 + t.iter().zip(&right).map(|(t, g)| t * g).sum::<f64>();
+                    let found = error_of(&linear, &slopes).standard_deviation;
+                    (length(&slopes) - length(&right)).abs() <= found
+                };
+                let share = (0..400).filter(held).count() as f64 / 400.0;
+                // At least exp(-1/4) = 0.78 less four standard errors of 400 cases.
+                assert!(share > 0.69, "{n} {noise}: {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_jump_near_the_centre_has_an_error_as_large_as_its_deviation_at_every_step() {
+        let jump = |t: &[f64]| if t[0] > 0.004 { 0.3 } else { 0.0 };
+        let response = |t: &[f64]| 0.1 * t[1] + jump(t);
+        for step in [0.005, 0.01, 0.05] {
+            let slopes = [jump(&[step]) / step, 0.1];
+            let found = error_of(&response, &slopes).standard_deviation;
+            // The right deviation of the sum: of the line, and of a jump that half of the samples pass.
+            let right = 0.1_f64.hypot(0.15);
+            let deviation = slopes[0].hypot(slopes[1]);
+            assert!((deviation - right).abs() < found && found > 0.7 * deviation, "{found}");
+        }
+    }
+
+    #[test]
+    fn curvature_is_in_the_error_of_the_mean() {
+        let curved = |t: &[f64]| t[0] + 0.2 * t[0] * t[0] - 0.1 * t[1] * t[1];
+        let found = error_of(&curved, &[1.0, 0.0]);
+        // The mean is 0.1, and on a sign it is seen exactly.
+        assert!((found.mean - 0.2).abs() < 1e-15, "{found:?}");
+    }
+}

@@ -47,7 +47,6 @@ pub(super) fn report(scene: &CrackScene, content: &Content<'_>) -> Report {
 }
 
 fn notes(record: &Record, report: &mut Report) {
-    report.notes.extend(record.unknown.iter().map(Unknown::note));
     let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
     for failure in &record.failures {
         *reasons.entry(&failure.reason).or_default() += 1;
@@ -67,6 +66,7 @@ fn notes(record: &Record, report: &mut Report) {
             counted(n, "realisation")
         )));
     }
+    report.notes.extend(record.unknown.iter().map(Unknown::note));
     for Distributed { words, law, .. } in record.distributions().filter(|it| it.law.missing > 0) {
         let all = law.realisations + law.missing;
         let text = format!(

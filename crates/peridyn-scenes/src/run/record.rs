@@ -226,7 +226,7 @@ impl Record {
         ensemble: &CrackEnsemble,
         bootstrap: &Bootstrap,
     ) -> Result<Self, RunError> {
-        let mut unknown = vec![of_lattice(scene, problem)];
+        let mut unknown = Vec::new();
         let counted = || run.records.iter().filter(|record| record.outcome.counts());
         let mut law = |what: &str, law: Result<Distribution, peridyn_sde::Error>, of: Value| {
             let one = || Law::of_one(&counted().map(of).collect::<Vec<_>>());
@@ -258,6 +258,7 @@ impl Record {
             let reason = "no realisation ran to its end".to_owned();
             unknown.push(Unknown { what: "broken_bonds, load".into(), reason });
         }
+        unknown.push(of_lattice(scene, problem));
         let outcome = |&(outcome, probability): &(&'static str, Estimate)| Outcome {
             outcome,
             probability: probability.into(),

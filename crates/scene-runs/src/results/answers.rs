@@ -293,7 +293,7 @@ impl Answer {
             at,
             value: number.value,
             error: number.error,
-            bound: number.upper_bound().filter(|_| is_probability),
+            bound: number.upper_bound().filter(|bound| is_probability && *bound < 1.0),
             unit: self.unit.clone(),
             how: remark.clone().unwrap_or_else(|| number.error_kind.words().to_owned()),
         }
@@ -364,6 +364,8 @@ mod tests {
         };
         assert_eq!(shown(Statistic::Probability, 1.7e-7, 2.5e-7), "< 4.2e-7");
         assert_eq!(shown(Statistic::Probability, 1e-3, 2e-5), "0.001000 ± 2.0e-5");
+        // No more than that it is a probability.
+        assert!(!shown(Statistic::Probability, 1.0, 1.0).contains('<'));
         assert_eq!(shown(Statistic::Moment, -0.01, 0.02), "-0.010 ± 0.020");
     }
 

@@ -4,7 +4,7 @@ use perturbation_moments::{Estimate, Uncertainty};
 use result_figures::number::{percent, short};
 use scene_runs::answers::{ErrorOrigin, Number};
 use serde::Serialize;
-use smpm::uncertainty::{MOST_FAILED, Series, SeriesError, Switch, exceedance_of_normal};
+use smpm::uncertainty::{MOST_FAILED, Series, Switch, exceedance_of_normal};
 use smpm::{Error, Plan, Window};
 
 use crate::scene::{RandomScene, SmpmScene};

@@ -40,9 +40,9 @@ impl UnitCube {
     ///    m_i = \tfrac12 \langle f_a + f_{c_i} \rangle . $$
     ///
     /// Responses at $a$ and $b$ are independent, so their covariance, about $m_{ab} = \tfrac12 \langle f_a + f_b \rangle$, is a
-    /// control variate. With the correlation $\rho_i$ of $f_a$ and $f_{c_i}$ as its coefficient the first-order index is as sharp
-    /// for small indices as by $f_b (f_{c_i} - f_a)$, which is $\rho_i = 1$, and as sharp for large ones as by $f_b f_{c_i}$, which
-    /// is $\rho_i = 0$.
+    /// control variate. Its coefficient is the correlation $\rho_i$ of $f_a$ and $f_{c_i}$. With $\rho_i = 1$ the index would be
+    /// that of $f_b (f_{c_i} - f_a)$, sharp for small indices. With $\rho_i = 0$ it would be that of $f_b f_{c_i}$, sharp for large
+    /// ones.
     ///
     /// Values are from the points of all replicas, errors from the delete-one jackknife over the replicas, with which the
     /// bias of the ratios is removed. An index near zero may have a negative estimate.

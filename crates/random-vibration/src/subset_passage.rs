@@ -8,8 +8,8 @@ use crate::tail::TailError;
 
 /// `P(max y > T)` of the largest of some responses, for paths from rest to a time in a number of steps.
 ///
-/// Subset simulation of the largest response as a function of the normals of all steps; the standard error is the scatter of the
-/// runs. Paths take [`WongZakai`](sde_integrators::WongZakai) steps, one by one.
+/// Subset simulation of the largest response as a function of the normals of all steps; the standard error is that of
+/// [`subset_simulation`]. Paths take [`WongZakai`](sde_integrators::WongZakai) steps, one by one.
 ///
 /// Source: Au and Beck 2001, Estimation of small failure probabilities in high dimensions by subset simulation, section 6.
 ///

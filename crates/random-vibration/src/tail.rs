@@ -141,7 +141,7 @@ impl<'a, const D: usize> TailPaths<'a, D> {
         Ok(self.weights.iter().zip(end).map(|(weight, x)| weight * x).sum())
     }
 
-    /// Subset simulation of `|y| > T`: the standard error is the scatter of the runs.
+    /// Subset simulation of `|y| > T`, with the error of [`subset_simulation`].
     ///
     /// # Errors
     /// [`TailError::Sampling`].

@@ -16,8 +16,8 @@ use crate::guides::small_regression;
 use crate::linearisation::Linearisation;
 use crate::tail::TailError;
 
-/// Largest number of coefficients of all guides: two gigabytes.
-const MOST_COEFFICIENTS: f64 = 268_435_456.0;
+/// Largest number of coefficients of all guides and backward functions: four gigabytes.
+const MOST_COEFFICIENTS: f64 = 536_870_912.0;
 
 /// Makes the regressions towards an event of some states.
 type Regressing<'a> = dyn Fn(&[usize]) -> Regressions + Sync + 'a;
@@ -191,11 +191,11 @@ impl<'a> GuidedPaths<'a> {
     }
 }
 
-/// Rejects guides that take more than two gigabytes.
+/// Rejects guides that take more than four gigabytes.
 pub(crate) fn check_memory(n_coefficients: f64) -> Result<(), Error> {
     if n_coefficients > MOST_COEFFICIENTS {
-        let quantity =
-            "coefficients of guides (hold them longer, take larger steps or fewer thresholds)";
+        let quantity = "coefficients of guides (take larger steps, fewer thresholds or times, hold guides longer, or use \
+                        subset simulation or Monte Carlo)";
         return Err(Error::TooMany { quantity, value: n_coefficients, limit: MOST_COEFFICIENTS });
     }
     Ok(())

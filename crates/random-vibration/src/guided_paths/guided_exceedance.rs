@@ -67,7 +67,7 @@ impl GuidedPaths<'_> {
     /// # Errors
     /// [`TailError::Sampling`] for fewer than two paths or a failed one, and for a share or a smallest probability outside
     /// `[0, 1)`; for a threshold that is not finite, and for none or more than 256; for times that do not increase or pass the
-    /// end; for guides of more than two gigabytes.
+    /// end; for guides of more than four gigabytes.
     pub fn exceedances(
         &self,
         question: &ExceedanceQuestion<'_>,

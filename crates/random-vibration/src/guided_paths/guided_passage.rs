@@ -12,8 +12,10 @@ use crate::guides::backward::Backward;
 use crate::guides::regression::Regressions;
 use crate::tail::TailError;
 
-/// Largest number of times at which guides of a response to a threshold end.
-const MOST_ENDS: usize = 64;
+/// Distance of the ends of guides over the mean duration of an excursion.
+///
+/// Measured on linear oscillators: half the distance lowers the error by a tenth, 1.6 times the distance doubles it.
+const SPACING: f64 = 1.0;
 /// Smallest probability of a guide's event over the largest: rarer ones have no guide.
 const LEAST: f64 = 1e-3;
 /// Share of the guided paths that all guides receive alike.
@@ -61,9 +63,13 @@ impl GuidedPaths<'_> {
     ///
     /// `r_e` being the likelihood ratio of guide `e` at the passage `tau(T)`: the balance heuristic over all guides, at the
     /// time at which the event is decided. Each threshold has an equal share of the paths, and so has each interval between
-    /// the times. Two ends are half a mean excursion apart, which takes `sqrt(2 pi) sigma_y^2/(sigma_y' T)` in the linearised
-    /// system; there are at most 64 for a threshold. Ends with a probability below a thousandth of the largest of their
-    /// interval have no guide. For a magnitude both signs have guides. Pilot paths choose a strength for each threshold.
+    /// the times. Two ends are `d`, a mean excursion, apart, which takes `sqrt(2 pi) sigma_y^2/(sigma_y' T)` in the
+    /// linearised system. An excursion that just reaches `T` between two ends is below it at both, by
+    /// `(d/2)^2 T sigma_y'^2/(2 sigma_y^2)` on average. Guides aim as much below `T`, so that every excursion has a guide:
+    /// `1/r_e` stays bounded, and with it the weights.
+    ///
+    /// Ends with a probability below a thousandth of the largest of their interval have no guide. For a magnitude both signs
+    /// have guides. Pilot paths choose a strength for each threshold.
     ///
     /// The estimates are unbiased for the discrete paths with the given rule between steps, whose bias remains:
     /// with [`Between::Endpoints`](sde_integrators::Between::Endpoints) passages between steps are missed. They are from the
@@ -75,7 +81,7 @@ impl GuidedPaths<'_> {
     ///
     /// # Errors
     /// [`TailError::Sampling`] for thresholds or times that do not increase, for a time after the end, for guides of more than
-    /// two gigabytes, and as [`exceedance`](Self::exceedance); those of [`maxima`](sde_integrators::maxima) for a response.
+    /// four gigabytes, and as [`exceedance`](Self::exceedance); those of [`maxima`](sde_integrators::maxima) for a response.
     pub fn first_passages(
         &self,
         question: &PassageQuestion<'_>,
@@ -134,14 +140,12 @@ impl GuidedPaths<'_> {
             let regressions = self.regressions(&weights);
             let ends =
                 |threshold: &f64| self.ends(&regressions, response.component, *threshold, n_steps);
-            let ends: Vec<Vec<Vec<usize>>> = thresholds.iter().map(ends).collect();
-            let mut different: Vec<usize> = ends.iter().flatten().flatten().copied().collect();
+            let ends: Vec<Vec<Vec<End>>> = thresholds.iter().map(ends).collect();
+            let mut different: Vec<usize> =
+                ends.iter().flatten().flatten().map(|end| end.step).collect();
             different.sort_unstable();
             different.dedup();
-            let sides = if response.side == Side::Above { 1.0 } else { 2.0 };
-            let of_end = |end: &usize| self.n_coefficients(*end);
-            held += sides * ends.iter().flatten().flatten().map(of_end).sum::<f64>();
-            held += different.iter().map(of_end).sum::<f64>();
+            held += different.iter().map(|&end| self.n_coefficients(end)).sum::<f64>();
             planned.push((weights, regressions, ends, different));
         }
         check_memory(held * STRENGTHS.len() as f64)?;
@@ -151,7 +155,20 @@ impl GuidedPaths<'_> {
             let backward = (0..STRENGTHS.len()).map(of_strength).collect();
             Towards { ends, different, backward }
         };
-        Ok(planned.into_iter().map(towards).collect())
+        let all: Vec<Towards> = planned.into_iter().map(towards).collect();
+        // The pilot paths hold all guides of all strengths.
+        let guides = |(response, towards): (&Response<'_>, &Towards)| {
+            let sides = if response.side == Side::Above { 1.0 } else { 2.0 };
+            let of_end = |end: &End| -> f64 {
+                let of = |strength| towards.backward(strength, end.step);
+                let all = (0..STRENGTHS.len()).filter_map(of);
+                all.map(|backward| backward.n_of_guide(&self.runner.start)).sum()
+            };
+            sides * towards.ends.iter().flatten().flatten().map(of_end).sum::<f64>()
+        };
+        held = held * STRENGTHS.len() as f64 + responses.iter().zip(&all).map(guides).sum::<f64>();
+        check_memory(held)?;
+        Ok(all)
     }
 
     /// Guides to a threshold by all responses, at all ends and on all sides, with their shares.
@@ -165,14 +182,16 @@ impl GuidedPaths<'_> {
     ) -> Vec<Guide> {
         let threshold = thresholds[level];
         let start = &self.runner.start;
-        let mut groups: Vec<Vec<(&Backward, f64, f64)>> = vec![Vec::new(); n_steps.len()];
+        let mut groups: Vec<Vec<(&Backward, f64, f64, f64)>> = vec![Vec::new(); n_steps.len()];
         for (response, towards) in responses.iter().zip(towards) {
             let sides: &[f64] = if response.side == Side::Above { &[1.0] } else { &[1.0, -1.0] };
             for (group, ends) in groups.iter_mut().zip(&towards.ends[level]) {
-                for backward in ends.iter().filter_map(|&end| towards.backward(strength, end)) {
+                for end in ends {
+                    let Some(backward) = towards.backward(strength, end.step) else { continue };
+                    let target = threshold - end.below;
                     for &side in sides {
-                        let excess = backward.reliability(start, side, threshold);
-                        group.push((backward, side, normal_probability(excess)));
+                        let excess = backward.reliability(start, side, target);
+                        group.push((backward, side, target, normal_probability(excess)));
                     }
                 }
             }
@@ -184,36 +203,34 @@ impl GuidedPaths<'_> {
             group.retain(|(.., p)| *p >= LEAST * largest);
             let (sum, even) =
                 (group.iter().map(|(.., p)| p).sum::<f64>(), 1.0 / group.len() as f64);
-            for (backward, side, p) in &group {
+            for (backward, side, target, p) in &group {
                 let likely = if sum > 0.0 { p / sum } else { even };
                 let part = EVEN * even + (1.0 - EVEN) * likely;
-                guides.push(backward.guide(start, (*side, threshold, level), share * part));
+                guides.push(backward.guide(start, (*side, *target, level), share * part));
             }
         }
         guides
     }
 
-    /// The steps after which guides end: those of each interval between the times, from its last one backwards.
+    /// The ends of guides of each interval between the times, from its last one backwards.
     fn ends(
         &self,
         regressions: &Regressions,
         component: usize,
         threshold: f64,
         n_steps: &[usize],
-    ) -> Vec<Vec<usize>> {
+    ) -> Vec<Vec<End>> {
         let dt = self.runner.dt;
-        let shortest = self.runner.n_steps.div_ceil(MOST_ENDS);
-        let mut from = 0;
+        let (mut from, mut later_gap) = (0, 0);
         let mut all = Vec::new();
         for &until in n_steps {
-            let (mut ends, mut end) = (Vec::new(), until);
-            while end > from {
-                ends.push(end);
-                let t = end as f64 * dt;
+            let (mut ends, mut step) = (Vec::new(), until);
+            while step > from {
+                let t = step as f64 * dt;
                 let law = regressions.law_at(t);
-                // The rate of the response in the linearised system, under the running distribution.
-                let of_rate = regressions.rate_variance(component, t);
                 let variance = law.covariance(component, component);
+                // That of the rate of the response, in the linearised system.
+                let of_rate = regressions.rate_variance(component, t);
                 let distance = (threshold.abs() - law.mean[component].abs()).max(variance.sqrt());
                 let excursion =
                     std::f64::consts::TAU.sqrt() * variance / (of_rate.sqrt() * distance);
@@ -222,20 +239,36 @@ impl GuidedPaths<'_> {
                     clippy::cast_sign_loss,
                     reason = "a number of steps, and a cast saturates"
                 )]
-                let spacing = (0.5 * excursion / dt).round() as usize;
-                end = end.saturating_sub(spacing.max(shortest));
+                let spacing = ((SPACING * excursion / dt).round() as usize).max(1);
+                // The first step has an end of its own, for paths that start near the threshold.
+                let first = from.max(usize::from(step > 1));
+                let earlier = step.saturating_sub(spacing).max(first);
+                let gap = step - earlier;
+                let half = 0.5 * gap.max(later_gap) as f64 * dt;
+                let curvature = if variance > 0.0 { distance * of_rate / variance } else { 0.0 };
+                ends.push(End { step, below: 0.5 * curvature * half * half });
+                (step, later_gap) = (earlier, gap);
             }
-            from = until;
+            (from, later_gap) = (until, 0);
             all.push(ends);
         }
         all
     }
 }
 
+/// Where a guide ends.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    /// Number of steps.
+    step: usize,
+    /// How far below the threshold the guide aims (unit of the response).
+    below: f64,
+}
+
 /// The linearised system towards one response.
 struct Towards {
     /// Per threshold and interval between the times: the steps after which guides end.
-    ends: Vec<Vec<Vec<usize>>>,
+    ends: Vec<Vec<Vec<End>>>,
     /// All of them, increasing.
     different: Vec<usize>,
     /// Per strength: the backward functions to [`different`](Self::different).

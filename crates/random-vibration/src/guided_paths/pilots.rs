@@ -30,22 +30,23 @@ pub(crate) fn strongest(
     let n_groups = events.len() * n_strengths;
     let (unguided, of_group) = (config.unguided, n_groups as f64);
     let part = (1.0 - unguided) / of_group;
-    let groups: Vec<Vec<Guide>> = (0..n_groups)
-        .map(|group| candidates(group / n_strengths, group % n_strengths, part))
-        .collect();
-    let all: Vec<_> = groups.iter().flatten().cloned().collect();
+    let mut all = Vec::new();
+    let mut places = Vec::with_capacity(n_groups);
+    for group in 0..n_groups {
+        let first = all.len();
+        all.extend(candidates(group / n_strengths, group % n_strengths, part));
+        places.push(first..all.len());
+    }
     let collect = |path: &GuidedPath<'_>, sums: &mut [Contributions]| {
-        let mut first = 0;
-        for (group, (sum, guides)) in sums.iter_mut().zip(&groups).enumerate() {
-            let place = first..first + guides.len();
-            first = place.end;
+        for (group, (sum, place)) in sums.iter_mut().zip(&places).enumerate() {
             let Some(known) = events[group / n_strengths].known(path) else {
                 sum.push(None);
                 continue;
             };
             // The density of the mixture with this event and strength alone, over that of the pilots.
             let mut density = unguided;
-            for (guide, ratio) in guides.iter().zip(&known.log_ratios[place]) {
+            let ratios = &known.log_ratios[place.clone()];
+            for (guide, ratio) in all[place.clone()].iter().zip(ratios) {
                 density += of_group * guide.share * ratio.exp();
             }
             sum.push(Some(known.log_weight.exp() / density));

@@ -101,13 +101,15 @@ impl Contributions {
         threshold: f64,
         strength: f64,
     ) -> Result<GuidedEstimate, TailError> {
-        let (value, n) = (self.values.mean(), self.values.count() as f64);
+        let (mean, n) = (self.values.mean(), self.values.count() as f64);
+        // Weights of a common event may add up to more than one.
+        let value = mean.min(1.0);
         // Refuses fewer than two paths and values that are not finite.
         self.values.variance()?;
         let variance = 0.5 * self.differences.mean() / n;
         let uncertainty = Uncertainty::StandardError(variance.sqrt());
         let estimate = Estimate { value, uncertainty };
-        let sum = n * self.values.mean();
+        let sum = n * mean;
         let square = n * self.squares.mean();
         let of_sum = |numerator: f64, sum: f64| if sum > 0.0 { numerator / sum } else { 0.0 };
         let (effective, share) = (of_sum(sum * sum, square), of_sum(self.largest, sum));

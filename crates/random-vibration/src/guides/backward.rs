@@ -4,6 +4,10 @@ use sde_integrators::{Guide, normal_probability};
 
 use crate::guides::regression::RunningLaw;
 
+/// Part of the variance of a response that is left to chance before its guide acts: a guide to a response that forgets its
+/// past need not act from the start.
+const FORGOTTEN: f64 = 1e-3;
+
 /// Start of all paths: mean and factor of its covariance, row by row.
 #[derive(Debug, Clone)]
 pub(crate) struct Start {
@@ -81,13 +85,14 @@ impl Backward {
         // The expectation of the normals of the start given the event; far out phi/Phi is -b within 1e-3.
         let shift = if b < -30.0 { -b } else { density(b) / normal_probability(b) };
         let part = |slope: f64| if deviation > 0.0 { shift * slope / deviation } else { 0.0 };
-        let start = slopes.into_iter().map(part).collect();
+        let first = self.first_block(deviation);
+        let start = slopes.into_iter().map(|slope| if first > 0 { 0.0 } else { part(slope) });
         let (n, of_step) = (self.n_states, 2 * self.n_motions);
-        let mut feedback = Vec::with_capacity(self.constants.len() * (n + 1));
+        let start = start.collect();
+        let mut feedback = Vec::with_capacity((self.constants.len() - first) * (n + 1));
         let mut directions = Vec::with_capacity(self.directions.len());
-        for (block, (deviation, constant)) in
-            self.deviations.iter().zip(&self.constants).enumerate()
-        {
+        let blocks = self.deviations.iter().zip(&self.constants).enumerate();
+        for (block, (deviation, constant)) in blocks.skip(first) {
             // Without noise ahead nothing can be guided.
             let deviation = self.with_unmodelled(*deviation);
             let inverse = if deviation > 0.0 { 1.0 / deviation } else { 0.0 };
@@ -98,7 +103,23 @@ impl Backward {
             let last = (first + self.hold * of_step).min(self.directions.len());
             directions.extend(self.directions[first..last].iter().map(|d| side * inverse * d));
         }
-        Guide { share, start, hold: self.hold, level, feedback, directions }
+        let from = first * self.hold;
+        Guide { share, start, from, hold: self.hold, level, feedback, directions }
+    }
+
+    /// The block at which a guide begins to act: the last one whose state explains less than [`FORGOTTEN`] of the variance.
+    fn first_block(&self, deviation: f64) -> usize {
+        let least = (1.0 - FORGOTTEN).sqrt() * deviation;
+        self.deviations.iter().take_while(|ahead| **ahead >= least).count().saturating_sub(1)
+    }
+
+    /// Number of coefficients of a guide.
+    pub(crate) fn n_of_guide(&self, start: &Start) -> f64 {
+        let (.., deviation) = self.at_start(start, 1.0, 0.0);
+        let first = self.first_block(deviation);
+        let of_blocks = (self.constants.len() - first) * (self.n_states + 1);
+        let of_steps = self.directions.len() - first * self.hold * 2 * self.n_motions;
+        (of_blocks + of_steps) as f64
     }
 
     /// The deviation of the response given the state, with what the linearised system leaves out.

@@ -5,6 +5,7 @@
 mod custom_pairwise;
 mod grid;
 mod guided;
+mod linear_passages;
 mod linearisation;
 
 mod systems;

@@ -25,13 +25,15 @@ pub struct Guide {
     pub share: f64,
     /// Shift of the normals of the start, one for each state (no unit).
     pub start: Vec<f64>,
+    /// The step from which the guide acts: the path is free before.
+    pub from: usize,
     /// Number of steps for which `lambda` is used, at least 1.
     pub hold: usize,
     /// Level after whose passage the guide ends, by its index; 0 where no level is given.
     pub level: usize,
     /// Coefficients of the states (1 per unit of each) and then the constant term of `b`, for each `hold` steps.
     pub feedback: Vec<f64>,
-    /// `d` of each step: for the normals of the increments `w`, then for those of the areas `H`, which are ignored if the
+    /// `d` of each step that is guided: for the normals of the increments `w`, then for those of the areas `H`, which are ignored if the
     /// method does not use them. The path is free after the last one.
     pub directions: Vec<f64>,
 }
@@ -77,6 +79,7 @@ impl Guide {
     #[allow(clippy::inline_always, reason = "used in a dispatched function")]
     #[inline(always)]
     pub(crate) fn feedback_at(&self, k: usize, n_states: usize) -> Option<(&[f64], f64)> {
+        let k = k.checked_sub(self.from)?;
         if !k.is_multiple_of(self.hold) {
             return None;
         }
@@ -85,10 +88,11 @@ impl Guide {
         Some((state, offset[0]))
     }
 
-    /// `d` of a step, unless the guide has ended.
+    /// `d` of a step, unless the guide does not yet act or has ended.
     #[allow(clippy::inline_always, reason = "used in a dispatched function")]
     #[inline(always)]
     pub(crate) fn direction<const M: usize>(&self, k: usize) -> Option<Direction<M>> {
+        let k = k.checked_sub(self.from)?;
         let numbers = self.directions.get(2 * M * k..2 * M * (k + 1))?;
         let (brownian, area) = numbers.split_at(M);
         Some(Direction {

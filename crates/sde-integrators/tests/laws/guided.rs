@@ -25,6 +25,7 @@ fn guide(share: f64, sign: f64) -> Guide {
     Guide {
         share,
         start: vec![sign * 0.7, -0.2],
+        from: 0,
         hold: 1,
         level: 0,
         feedback: feedback.collect(),
@@ -37,6 +38,11 @@ fn held(share: f64, sign: f64) -> Guide {
     let guide = guide(share, sign);
     let feedback = guide.feedback.chunks(3).step_by(3).flatten().copied().collect();
     Guide { hold: 3, feedback, ..guide }
+}
+
+/// The same from the fifth step on.
+fn late(share: f64, sign: f64) -> Guide {
+    Guide { from: 4, ..guide(share, sign) }
 }
 
 /// Passages of one level.
@@ -87,6 +93,7 @@ fn weights_undo_any_guide() {
         vec![guide(0.8, 1.0)],
         vec![guide(0.4, 1.0), guide(0.6, -1.0)],
         vec![held(0.4, 1.0), held(0.6, -1.0)],
+        vec![late(0.4, 1.0), guide(0.6, -1.0)],
     ] {
         let mut means = [Accumulator::default(); 3];
         for [q, _, log_weight] in paths(&guides, None, 0..n).unwrap() {

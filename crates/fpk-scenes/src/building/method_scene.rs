@@ -38,7 +38,7 @@ pub enum BuildingMethod {
         samples: usize,
         /// Correlation of the proposal with the current path, between 0 and 1 (no unit).
         correlation: f64,
-        /// Number of independent runs, from 2 to 65536; their scatter is the standard error (no unit).
+        /// Number of independent runs, from 4 to 65536; their scatter is the standard error (no unit).
         runs: u64,
         /// Longest step (s).
         step: f64,
@@ -93,8 +93,8 @@ impl BuildingMethod {
                 must(&path("samples"), samples as f64, samples >= 100, "at least 100")?;
                 let is_between = correlation > 0.0 && correlation < 1.0;
                 must(&path("correlation"), correlation, is_between, "between 0 and 1")?;
-                let few = (2..=65_536).contains(&runs);
-                must(&path("runs"), runs as f64, few, "from 2 to 65536")
+                let few = (4..=65_536).contains(&runs);
+                must(&path("runs"), runs as f64, few, "from 4 to 65536")
             }
         }
     }

@@ -78,7 +78,7 @@ pub enum MethodScene {
         samples: usize,
         /// Correlation of the proposal with the current path, between 0 and 1 (no unit).
         correlation: f64,
-        /// Number of independent runs, at least 2; their scatter is the standard error (no unit).
+        /// Number of independent runs, from 4 to 65536; their scatter is the standard error (no unit).
         runs: u64,
         /// Longest step (s).
         step: f64,
@@ -224,8 +224,8 @@ impl MethodScene {
                 must(&format!("{path}.samples"), *samples as f64, *samples >= 100, "at least 100")?;
                 let (rho, is_between) = (*correlation, *correlation > 0.0 && *correlation < 1.0);
                 must(&format!("{path}.correlation"), rho, is_between, "between 0 and 1")?;
-                let few = (2..=65_536).contains(runs);
-                must(&format!("{path}.runs"), *runs as f64, few, "from 2 to 65536")?;
+                let few = (4..=65_536).contains(runs);
+                must(&format!("{path}.runs"), *runs as f64, few, "from 4 to 65536")?;
                 check_path(path, *step, (system, initial, times))
             }
         }

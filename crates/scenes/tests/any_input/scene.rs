@@ -40,7 +40,7 @@ const METHODS: [&str; 5] = [
     r#""statistical_linearisation": { "step": 0.05 }"#,
     r#""guided_paths": { "samples": 100, "step": 0.1, "seed": 1 }"#,
     r#""canor_denoel_2013": { "count": [9, 9], "half_width": [0.6, 0.4], "courant": 0.8, "support_over_spacing": 2.5 }"#,
-    r#""subset_simulation": { "samples": 100, "correlation": 0.8, "runs": 2, "step": 0.1,
+    r#""subset_simulation": { "samples": 100, "correlation": 0.8, "runs": 4, "step": 0.1,
         "seed": 1 }"#,
 ];
 

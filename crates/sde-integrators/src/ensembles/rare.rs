@@ -13,8 +13,8 @@ pub type NormalResponse<'a> = &'a (dyn Fn(&[f64]) -> Result<f64, Error> + Sync);
 
 /// Largest number of normals in memory: 32 GiB.
 const MOST_NORMALS: f64 = u32::MAX as f64;
-/// Largest number of runs for a standard error.
-const MOST_RUNS: u64 = 1 << 16;
+/// Least and largest number of runs for a standard error: of fewer the scatter is chance.
+const RUNS: (u64, u64) = (4, 1 << 16);
 
 /// Rejects NaN, with which every comparison is false.
 fn number(quantity: &'static str, value: f64) -> Result<f64, Error> {
@@ -105,13 +105,6 @@ impl<S: ?Sized + Sync, I, const D: usize> DrivenPath<'_, S, I, D> {
     }
 }
 
-/// An event without any occurrence: a sample of zeros has no scatter, which is no information on the error.
-fn seen(estimate: Estimate) -> Estimate {
-    let uncertainty =
-        if estimate.value > 0.0 { estimate.uncertainty } else { Uncertainty::Unknown };
-    Estimate { uncertainty, ..estimate }
-}
-
 /// Parameters of subset simulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubsetConfig {
@@ -119,7 +112,7 @@ pub struct SubsetConfig {
     pub n_samples: usize,
     /// `rho` of the proposal `rho u + sqrt(1 - rho^2) z`, in `(0, 1)`; typically 0.8.
     pub correlation: f64,
-    /// Independent runs, at least 2 and at most 65,536; their scatter is the standard error.
+    /// Independent runs, at least 4 and at most 65,536; their scatter is the standard error.
     pub n_runs: u64,
 }
 
@@ -127,13 +120,22 @@ pub struct SubsetConfig {
 ///
 /// Each level is exceeded by a tenth of the samples of the previous one; Markov chains sample above the last level.
 ///
-/// The proposal preserves the normal distribution, so only the level decides on acceptance. The result is the mean
-/// over independent runs with its standard error. A run has a bias of the order of the square of its coefficient of
-/// variation, which decreases with `n_samples`. The error is unknown if no run reached the event, and a bound by the
-/// rule of three if every sample did: see [`Estimate::probability`].
+/// The proposal preserves the normal distribution, so only the level decides on acceptance. The result is the mean over `R`
+/// independent runs. A run is a product of many frequencies and so close to lognormal: most runs are below the mean. The
+/// standard error is half the distance from the mean to the farther end of the interval of 95 %
+///
+/// $$ \ln p \in m + \frac{s^2}{2} \pm t_{R-1} \sqrt{\frac{s^2}{R} + \frac{s^4}{2 (R - 1)}} , $$
+///
+/// Symbols: `m`, `s^2` = mean and variance of the logarithms of the runs; `s^2` is at least that of independent samples,
+/// `(9 k + (1 - q)/q)/n` for `p = 10^-k q`; `t` = quantile of Student's distribution. Two of these errors contain the
+/// probability in 92 to 100 % of the studies of linear events from 0.2 to 1e-12, with 100 to 1,000 samples and 4 to 32 runs.
+///
+/// The error is unknown if a run did not reach the event, and a bound by the rule of three if every sample did: see
+/// [`Estimate::probability`].
 ///
 /// Sources: Au and Beck 2001, Estimation of small failure probabilities in high dimensions by subset simulation;
-/// Papaioannou, Betz, Zwirglmaier and Straub 2015, MCMC algorithms for subset simulation, section 4.
+/// Papaioannou, Betz, Zwirglmaier and Straub 2015, MCMC algorithms for subset simulation, section 4; the interval: Olsson
+/// 2005, Confidence intervals for the mean of a log-normal distribution.
 ///
 /// # Errors
 /// Those of the response, of the lowest run; [`Error::NotANumber`] for the response or the threshold;
@@ -149,7 +151,7 @@ pub fn subset_simulation(
 ) -> Result<Estimate, Error> {
     let SubsetConfig { n_samples, correlation, n_runs } = *config;
     for (quantity, value, limit) in
-        [("samples per level", n_samples as u64, 100), ("runs", n_runs, 2)]
+        [("samples per level", n_samples as u64, 100), ("runs", n_runs, RUNS.0)]
     {
         if value < limit {
             return Err(Error::TooFew { quantity, value, limit });
@@ -160,7 +162,7 @@ pub fn subset_simulation(
         return Err(Error::NotPositive { quantity, value: correlation });
     }
     number("threshold", threshold)?;
-    at_most("runs", n_runs as f64, MOST_RUNS as f64)?;
+    at_most("runs", n_runs as f64, RUNS.1 as f64)?;
     let held = n_samples as f64 * n_normals.max(1) as f64;
     at_most("normals of the samples of a level", held, MOST_NORMALS)?;
     // One run per block, so that runs use different threads.
@@ -169,16 +171,51 @@ pub fn subset_simulation(
         let stream = noise.stream(Purpose::MarkovChain, ids.start / BLOCK_LENGTH);
         Subset { response, threshold, stream, n_normals, config }.run()
     });
-    let mut probabilities = Accumulator::default();
-    for run in runs {
-        probabilities.push(run?);
-    }
-    let estimate = probabilities.estimate()?;
-    if estimate.value >= 1.0 {
+    let runs = runs.into_iter().collect::<Result<Vec<f64>, _>>()?;
+    if runs.iter().all(|probability| *probability >= 1.0) {
         let trials = n_runs * n_samples as u64;
         return Estimate::probability(trials, trials);
     }
-    Ok(seen(estimate))
+    of_runs(&runs, n_samples as f64)
+}
+
+/// The mean of runs, with the error of a lognormal distribution: see [`subset_simulation`].
+fn of_runs(runs: &[f64], n_samples: f64) -> Result<Estimate, Error> {
+    let (mut mean, mut logarithms) = (Accumulator::default(), Accumulator::default());
+    for run in runs {
+        mean.push(*run);
+        logarithms.push(run.ln());
+    }
+    let value = mean.mean();
+    if runs.contains(&0.0) {
+        return Ok(Estimate { value, uncertainty: Uncertainty::Unknown });
+    }
+    let n = runs.len() as f64;
+    let levels = (-value.log10()).floor().max(0.0);
+    let last = value * 10_f64.powf(levels);
+    let independent = (9.0 * levels + (1.0 - last).max(0.0) / last) / n_samples;
+    let square = logarithms.variance()?.max(independent);
+    let half = student(n - 1.0) * (square / n + square * square / (2.0 * (n - 1.0))).sqrt();
+    let centre = logarithms.mean() + 0.5 * square;
+    let farther = ((centre + half).exp() - value).max(value - (centre - half).exp());
+    let error = 0.5 * farther;
+    let is_known = error.is_finite();
+    let uncertainty =
+        if is_known { Uncertainty::StandardError(error) } else { Uncertainty::Unknown };
+    Ok(Estimate { value, uncertainty })
+}
+
+/// The quantile of 97.5 % of Student's distribution, within 1 % from 3 degrees of freedom on.
+///
+/// Source: Abramowitz and Stegun 1964, eq 26.7.5.
+fn student(degrees: f64) -> f64 {
+    const Z: f64 = 1.959_963_985;
+    let terms = [
+        (Z.powi(3) + Z) / 4.0,
+        (5.0 * Z.powi(5) + 16.0 * Z.powi(3) + 3.0 * Z) / 96.0,
+        (3.0 * Z.powi(7) + 19.0 * Z.powi(5) + 17.0 * Z.powi(3) - 15.0 * Z) / 384.0,
+    ];
+    Z + (terms[0] + (terms[1] + terms[2] / degrees) / degrees) / degrees
 }
 
 /// One run.
@@ -248,5 +285,53 @@ impl Subset<'_> {
             }
         }
         Ok(samples)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quantile_is_that_of_the_tables_within_one_per_cent() {
+        for (degrees, table) in [(3.0, 3.182), (7.0, 2.365), (15.0, 2.131), (60.0, 2.000)] {
+            assert!((student(degrees) / table - 1.0).abs() < 0.01, "{degrees}: {table}");
+        }
+    }
+
+    #[test]
+    fn equal_runs_have_the_error_of_independent_samples_and_a_run_without_the_event_none() {
+        // One level and a last share of 0.5: a variance of (9 + 1)/1000 of each logarithm.
+        let equal = of_runs(&[0.05; 4], 1_000.0).unwrap().standard_error().unwrap();
+        let centre = 0.005 + 3.182 * (0.01_f64 / 4.0 + 1e-4 / 6.0).sqrt();
+        assert!((equal / (0.025 * (centre.exp() - 1.0)) - 1.0).abs() < 0.02, "{equal}");
+        let missed = of_runs(&[0.05, 0.04, 0.0, 0.06], 1_000.0).unwrap();
+        assert_eq!(missed.uncertainty, Uncertainty::Unknown);
+    }
+
+    /// Errors of studies of `P(u > z)` with a few runs: coverage of two errors over seeds.
+    #[test]
+    fn two_errors_contain_the_probability_as_often_as_stated() {
+        let response = |u: &[f64]| Ok(u[0] + 0.0 * u[1]);
+        for (z, correlation, n_samples, n_runs) in
+            [(2.5, 0.5, 150, 4), (4.2, 0.8, 150, 8), (5.2, 0.9, 300, 4), (5.2, 0.9, 300, 16)]
+        {
+            let exact = crate::normal_probability(-z);
+            let (mut inside, mut known, mut worst) = (0, 0, 0.0_f64);
+            for seed in 0..200 {
+                let config = SubsetConfig { n_samples, correlation, n_runs };
+                let noise = Noise::new(seed);
+                let found = subset_simulation(&response, 2, z, &noise, &config).unwrap();
+                let Some(error) = found.standard_error() else { continue };
+                let off = (found.value - exact).abs() / error;
+                known += 1;
+                inside += u32::from(off < 2.0);
+                worst = worst.max(off);
+            }
+            // 95 % of 200 less three deviations of 1.5 % each; the scatter of the runs alone had 63 to 90 %.
+            let share = f64::from(inside) / f64::from(known);
+            assert!(known > 190 && share > 0.905, "{z} {n_runs}: {share} of {known}, {worst}");
+            assert!(n_runs < 8 || worst < 8.0, "{z} {n_runs}: {worst}");
+        }
     }
 }

@@ -236,11 +236,11 @@ fn subset_simulation_refuses_what_cannot_be() {
     assert_eq!(path.n_normals::<1>(), 20);
     let short = path.run::<1>(&[0.0; 19], |_, _, _| ()).unwrap_err();
     assert!(matches!(short, Error::WrongLength { value: 19, expected: 20, .. }));
-    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
+    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 4 };
     let subset = |config| subset_simulation(&|u| Ok(u[0]), 2, 3.0, &Noise::new(1), &config);
     assert!(subset(config).is_ok());
     assert!(matches!(subset(SubsetConfig { n_samples: 99, ..config }), Err(Error::TooFew { .. })));
-    assert!(matches!(subset(SubsetConfig { n_runs: 1, ..config }), Err(Error::TooFew { .. })));
+    assert!(matches!(subset(SubsetConfig { n_runs: 3, ..config }), Err(Error::TooFew { .. })));
     let wrong = SubsetConfig { correlation: 1.0, ..config };
     assert!(matches!(subset(wrong), Err(Error::NotPositive { .. })));
     let large = SubsetConfig { n_samples: usize::MAX, ..config };
@@ -259,7 +259,7 @@ fn subset_simulation_refuses_what_is_not_a_number() {
     let of_response = Err(Error::NotANumber { quantity: "response" });
     let of_threshold = Err(Error::NotANumber { quantity: "threshold" });
     let noise = Noise::new(1);
-    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
+    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 4 };
     let subset = |response, threshold| {
         subset_simulation(response, 1, threshold, &noise, &config).map(|_| ())
     };
@@ -272,12 +272,12 @@ fn subset_simulation_refuses_what_is_not_a_number() {
 fn what_was_never_seen_has_no_error() {
     let response = |u: &[f64]| Ok(u[0].min(1.0));
     let noise = Noise::new(1);
-    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 2 };
+    let config = SubsetConfig { n_samples: 100, correlation: 0.8, n_runs: 4 };
     let subset = |threshold| subset_simulation(&response, 1, threshold, &noise, &config).unwrap();
     let never = subset(2.0);
     assert_eq!((never.value, never.uncertainty), (0.0, Uncertainty::Unknown));
     let always = subset(-20.0);
-    assert_eq!((always.value, always.uncertainty), (1.0, Uncertainty::Bound(3.0 / 200.0)));
+    assert_eq!((always.value, always.uncertainty), (1.0, Uncertainty::Bound(3.0 / 400.0)));
 }
 
 /// `P(u > 3) = 1.3499e-3` (Abramowitz and Stegun, table 26.1) from a single normal.

@@ -237,7 +237,7 @@ impl TailSampling<'_> {
     }
 
     /// The probability by subset simulation, [`sde_integrators::subset_simulation`], which needs no gradient and no design
-    /// point. The standard error is the scatter of the runs; `effective_lines` is their number.
+    /// point. The standard error is from the scatter of the runs; `effective_lines` is their number.
     ///
     /// # Errors
     /// [`Error::NotFinite`] for the level; [`Error::SampleFailed`], [`Error::NonFiniteSample`] for a run;

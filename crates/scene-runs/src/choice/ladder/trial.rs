@@ -75,7 +75,8 @@ impl Trial {
 
 /// Runs a method at increasing sizes, each about three times as expensive as the last.
 ///
-/// It stops when the next run would cost more than the budget, or after three failures in a row. `tell` is called before each run.
+/// It stops when the next run would cost more than the budget, after three failures in a row, and where the cost does not grow
+/// with the size: that trial has failed with the reason. `tell` is called before each run.
 pub fn climb(
     kind: &SceneKind,
     file: &SceneFile,
@@ -86,6 +87,7 @@ pub fn climb(
 ) -> Vec<Trial> {
     let climbed = &ladder.methods[method];
     let (mut trials, mut size, mut failures) = (Vec::<Trial>::new(), climbed.first, 0);
+    let mut growth = CostGrowth::default();
     while let Some(rung) = (climbed.rung)(size) {
         // Rounding can make two sizes equal.
         let is_new = trials.last().is_none_or(|last| last.rung.size < rung.size);
@@ -95,8 +97,17 @@ pub fn climb(
         }
         tell(climbed, &rung);
         let outcome = try_scene(kind, file, &rung.trial, limits.longest);
-        let trial = Trial { method, rung, outcome };
+        let mut trial = Trial { method, rung, outcome };
         let (cost, is_answered) = (trial.cpu_seconds(), trial.answers().is_some());
+        if growth.has_ended(cost) {
+            let reason = format!(
+                "{MOST_LEVEL} larger trials cost no more than {:.2} CPU s: the cost does not grow with the size",
+                growth.dearest
+            );
+            trial.outcome = Outcome::Failed { reason, cpu_seconds: cost };
+            trials.push(trial);
+            break;
+        }
         trials.push(trial);
         failures = if is_answered { 0 } else { failures + 1 };
         if is_next_beyond(cost, limits.budget) || failures > MOST_FAILURES {
@@ -110,6 +121,30 @@ pub fn climb(
 #[must_use]
 pub fn is_next_beyond(cost: f64, budget: f64) -> bool {
     cost * COST_FACTOR > budget
+}
+
+/// Consecutive trials that may cost less than [`LEAST_GROWTH`] times the dearest before. Their expected cost grows 6,500-fold,
+/// beyond what a run costs at any size.
+const MOST_LEVEL: u32 = 8;
+/// Growth of the cost that counts.
+const LEAST_GROWTH: f64 = 1.2;
+
+/// Growth of the cost of successive trials.
+#[derive(Debug, Default)]
+struct CostGrowth {
+    /// Largest cost (CPU s).
+    dearest: f64,
+    /// Number of trials since the cost has grown.
+    level: u32,
+}
+
+impl CostGrowth {
+    /// Adds the cost of a trial; returns whether the cost no longer grows.
+    fn has_ended(&mut self, cost: f64) -> bool {
+        self.level = if cost > LEAST_GROWTH * self.dearest { 0 } else { self.level + 1 };
+        self.dearest = self.dearest.max(cost);
+        self.level >= MOST_LEVEL
+    }
 }
 
 /// Consecutive failures that a method may have; one more ends its trials. A lattice can be too coarse, not too fine.
@@ -130,5 +165,23 @@ pub fn try_scene(
     match kind.solve(&scene, longest, &Progress::silent()) {
         Ok(answers) => Outcome::Answered(answers),
         Err(error) => Outcome::Failed { reason: with_causes(&error), cpu_seconds: clock.seconds() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cost_that_no_longer_grows_ends_a_ladder_and_one_that_grows_late_does_not() {
+        let first_end = |costs: &[f64]| {
+            let mut growth = CostGrowth::default();
+            costs.iter().position(|&cost| growth.has_ended(cost))
+        };
+        // The same cost at any size: the first trial and eight more.
+        assert_eq!(first_end(&[0.03; 30]), Some(8));
+        // A fixed cost of 0.2 s, under which that of the size is hidden for five trials.
+        let late: Vec<f64> = (0..12).map(|k| 0.2 + 1e-4 * COST_FACTOR.powi(k)).collect();
+        assert_eq!(first_end(&late), None);
     }
 }

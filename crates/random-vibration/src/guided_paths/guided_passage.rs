@@ -1,6 +1,6 @@
 //! First passage up to some times, from paths guided to some thresholds at many times.
 
-use sde_integrators::{Error, Guide, Passages, Response, Side, normal_probability};
+use sde_integrators::{Error, Guide, Passages, Response, Side};
 
 use crate::guided_paths::event::Event;
 use crate::guided_paths::guided::{GuidedPaths, check_memory};
@@ -130,10 +130,15 @@ impl GuidedPaths<'_> {
     }
 
     /// The backward functions towards each response, after a check of the memory that they and all guides take.
+    ///
+    /// Those of ends that are too rare for a guide, beside the responses so far, are left out.
     fn towards(&self, question: &PassageQuestion<'_>) -> Result<Vec<Towards>, Error> {
         let PassageQuestion { responses, thresholds, n_steps } = *question;
         let mut held = 0.0;
-        let mut planned = Vec::new();
+        // The largest probability of an end, per strength, threshold and interval between the times.
+        let none = vec![vec![0.0; n_steps.len()]; thresholds.len()];
+        let mut largest = vec![none; STRENGTHS.len()];
+        let mut all = Vec::new();
         for response in responses {
             let mut weights = vec![0.0; self.n_states()];
             weights[response.component] = 1.0;
@@ -145,30 +150,51 @@ impl GuidedPaths<'_> {
                 ends.iter().flatten().flatten().map(|end| end.step).collect();
             different.sort_unstable();
             different.dedup();
-            held += different.iter().map(|&end| self.n_coefficients(end)).sum::<f64>();
-            planned.push((weights, regressions, ends, different));
+            let at_once: f64 = different.iter().map(|&end| self.n_coefficients(end)).sum();
+            let mut towards = Towards { ends, different, backward: Vec::new() };
+            for (strength, largest) in largest.iter_mut().enumerate() {
+                check_memory(held + at_once)?;
+                let found = self.backward(&regressions, strength, &weights, &towards.different);
+                held += self.keep(&mut towards, (response.side, thresholds), found, largest);
+            }
+            all.push(towards);
         }
-        check_memory(held * STRENGTHS.len() as f64)?;
-        let towards = |(weights, regressions, ends, different): (Vec<f64>, _, _, Vec<usize>)| {
-            let of_strength =
-                |strength: usize| self.backward(&regressions, strength, &weights, &different);
-            let backward = (0..STRENGTHS.len()).map(of_strength).collect();
-            Towards { ends, different, backward }
-        };
-        let all: Vec<Towards> = planned.into_iter().map(towards).collect();
-        // The pilot paths hold all guides of all strengths.
-        let guides = |(response, towards): (&Response<'_>, &Towards)| {
-            let sides = if response.side == Side::Above { 1.0 } else { 2.0 };
-            let of_end = |end: &End| -> f64 {
-                let of = |strength| towards.backward(strength, end.step);
-                let all = (0..STRENGTHS.len()).filter_map(of);
-                all.map(|backward| backward.n_of_guide(&self.runner.start)).sum()
-            };
-            sides * towards.ends.iter().flatten().flatten().map(of_end).sum::<f64>()
-        };
-        held = held * STRENGTHS.len() as f64 + responses.iter().zip(&all).map(guides).sum::<f64>();
         check_memory(held)?;
         Ok(all)
+    }
+
+    /// Keeps the backward functions of a strength to ends that may have a guide; returns their number of coefficients with guides.
+    fn keep(
+        &self,
+        towards: &mut Towards,
+        (side, thresholds): (Side, &[f64]),
+        found: Vec<Backward>,
+        largest: &mut [Vec<f64>],
+    ) -> f64 {
+        let (start, sides) = (&self.runner.start, sides(side));
+        let mut held = 0.0;
+        let mut is_kept = vec![false; found.len()];
+        let of_levels = towards.ends.iter().zip(thresholds).zip(largest);
+        for ((intervals, threshold), largest) in of_levels {
+            for (ends, largest) in intervals.iter().zip(largest) {
+                let likely = |end: &End| {
+                    let place = towards.different.binary_search(&end.step).ok()?;
+                    let of = |side: &f64| found[place].likely(start, *side, threshold - end.below);
+                    Some((place, sides.iter().map(of).fold(0.0, f64::max)))
+                };
+                let likely: Vec<(usize, f64)> = ends.iter().filter_map(likely).collect();
+                *largest = likely.iter().fold(*largest, |largest, (_, p)| largest.max(*p));
+                for (place, _) in likely.into_iter().filter(|(_, p)| *p >= LEAST * *largest) {
+                    held += sides.len() as f64 * found[place].n_of_guide(start);
+                    is_kept[place] = true;
+                }
+            }
+        }
+        let kept = is_kept.iter().zip(&towards.different).filter(|(is_kept, _)| **is_kept);
+        held += kept.map(|(_, &end)| self.n_coefficients(end)).sum::<f64>();
+        let found = found.into_iter().zip(is_kept);
+        towards.backward.push(found.map(|(it, is_kept)| is_kept.then_some(it)).collect());
+        held
     }
 
     /// Guides to a threshold by all responses, at all ends and on all sides, with their shares.
@@ -184,14 +210,13 @@ impl GuidedPaths<'_> {
         let start = &self.runner.start;
         let mut groups: Vec<Vec<(&Backward, f64, f64, f64)>> = vec![Vec::new(); n_steps.len()];
         for (response, towards) in responses.iter().zip(towards) {
-            let sides: &[f64] = if response.side == Side::Above { &[1.0] } else { &[1.0, -1.0] };
+            let sides = sides(response.side);
             for (group, ends) in groups.iter_mut().zip(&towards.ends[level]) {
                 for end in ends {
                     let Some(backward) = towards.backward(strength, end.step) else { continue };
                     let target = threshold - end.below;
                     for &side in sides {
-                        let excess = backward.reliability(start, side, target);
-                        group.push((backward, side, target, normal_probability(excess)));
+                        group.push((backward, side, target, backward.likely(start, side, target)));
                     }
                 }
             }
@@ -246,7 +271,10 @@ impl GuidedPaths<'_> {
                 let gap = step - earlier;
                 let half = 0.5 * gap.max(later_gap) as f64 * dt;
                 let curvature = if variance > 0.0 { distance * of_rate / variance } else { 0.0 };
-                ends.push(End { step, below: 0.5 * curvature * half * half });
+                // Where a step is longer than the distance of the ends, no excursion is between two of them.
+                let most = 0.25 * std::f64::consts::PI * SPACING * SPACING * variance / distance;
+                let below = (0.5 * curvature * half * half).min(most);
+                ends.push(End { step, below });
                 (step, later_gap) = (earlier, gap);
             }
             (from, later_gap) = (until, 0);
@@ -271,13 +299,21 @@ struct Towards {
     ends: Vec<Vec<Vec<End>>>,
     /// All of them, increasing.
     different: Vec<usize>,
-    /// Per strength: the backward functions to [`different`](Self::different).
-    backward: Vec<Vec<Backward>>,
+    /// Per strength: the backward functions to [`different`](Self::different) that may have guides.
+    backward: Vec<Vec<Option<Backward>>>,
+}
+
+/// The signs of a response whose excess over a threshold is a passage.
+const fn sides(side: Side) -> &'static [f64] {
+    match side {
+        Side::Above => &[1.0],
+        Side::Magnitude => &[1.0, -1.0],
+    }
 }
 
 impl Towards {
     fn backward(&self, strength: usize, end: usize) -> Option<&Backward> {
-        self.backward[strength].get(self.different.binary_search(&end).ok()?)
+        self.backward[strength].get(self.different.binary_search(&end).ok()?)?.as_ref()
     }
 }
 

@@ -137,6 +137,11 @@ impl Backward {
         self.at_start(start, side, threshold).1
     }
 
+    /// Probability that `side y` exceeds the threshold, before the start.
+    pub(crate) fn likely(&self, start: &Start, side: f64, threshold: f64) -> f64 {
+        normal_probability(self.reliability(start, side, threshold))
+    }
+
     /// Derivatives of `side y` by the normals of the start, its expected excess in deviations, and its deviation.
     fn at_start(&self, start: &Start, side: f64, threshold: f64) -> (Vec<f64>, f64, f64) {
         let n = self.n_states;

@@ -80,7 +80,7 @@ fn an_interrupted_run_resumes_with_the_bits_of_one_run_and_subset_simulation_has
     assert_eq!(numbers_in(&ran.out()), whole);
     let error = ran.resume(&text.replace("2500", "2600")).unwrap_err().to_string();
     assert!(error.contains("is of another scene"), "{error}");
-    let subset = "'subset_simulation': { 'samples': 100, 'correlation': 0.8, 'runs': 2, 'step': 0.02, 'seed': 3 }";
+    let subset = "'subset_simulation': { 'samples': 100, 'correlation': 0.8, 'runs': 4, 'step': 0.02, 'seed': 3 }";
     ran.write(&short(subset));
     let error = ran.shard("1/2", "shard").unwrap_err();
     assert!(matches!(error, RunError::NoShards), "{error}");

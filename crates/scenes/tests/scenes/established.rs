@@ -10,7 +10,7 @@ use crate::harness::{SceneRun, changed, whole_merged_and_on_ranks};
 const DAMPER: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
 const LINEARISED: &str = "'statistical_linearisation': { 'step': 0.05 }";
 const GUIDED: &str = "'guided_paths': { 'samples': 2000, 'step': 0.04, 'seed': 7 }";
-const SUBSET: &str = "'subset_simulation': { 'samples': 300, 'correlation': 0.8, 'runs': 8, 'step': 0.04, 'seed': 6 }";
+const SUBSET: &str = "'subset_simulation': { 'samples': 300, 'correlation': 0.8, 'runs': 16, 'step': 0.04, 'seed': 6 }";
 
 /// The scene by a method, only at t = 6.
 fn by(method: &str, thresholds: &str) -> String {

@@ -56,7 +56,7 @@ const fn check(name: &'static str, purpose: &'static str, programs: Programs) ->
     Check { name, purpose, programs }
 }
 
-const CHECKS: [Check; 13] = [
+const CHECKS: [Check; 14] = [
     check(
         "language",
         "pages, comments and messages use the field's words, short sentences, short lines",

@@ -6,8 +6,6 @@ use scene_runs::clock::CpuClock;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
-use crate::monte_carlo::monomial;
-
 /// Requested results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requested<const D: usize = 2> {
@@ -411,6 +409,12 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
         })
     };
     asked.thresholds.iter().enumerate().map(at).collect()
+}
+
+/// `x_1^a_1 .. x_D^a_D`.
+pub(crate) fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {
+    let power = |base: f64, exponent: u32| (0..exponent).fold(1.0, |product, _| product * base);
+    x.iter().zip(powers).map(|(&x, a)| power(x, a)).product()
 }
 
 /// What a probability rests on, where it is less than particles.

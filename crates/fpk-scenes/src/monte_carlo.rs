@@ -5,7 +5,7 @@ use sde_integrators::{
     Ensemble, EnsembleConfig, Estimate, GaussianMixture, Observable, ShardRecord, merge,
 };
 
-use super::density::Requested;
+use super::density::{Requested, monomial};
 use super::paths::{PathEnsemble, Paths, PathsError};
 
 /// Ensemble size and step.
@@ -137,9 +137,4 @@ pub(crate) fn sampled_shard<const D: usize>(
         times: times.clone(),
     };
     shard(&PathEnsemble { law, config: &config, observables: &observables }, place)
-}
-
-pub(crate) fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {
-    let power = |base: f64, exponent: u32| (0..exponent).fold(1.0, |product, _| product * base);
-    x.iter().zip(powers).map(|(&x, a)| power(x, a)).product()
 }

@@ -337,7 +337,7 @@ impl Solved<'_> {
                 solve("density, remeshed where it folds", &with_remeshing)?;
             if other.rows.len() > fine.rows.len() {
                 remeshed = Some(Unknown {
-                    what: "the method as it stands".to_owned(),
+                    what: "the density on one lattice".to_owned(),
                     reason: format!("{error}; what is shown is the run with `fresh_lattices`"),
                 });
                 (fine, whole, pictures, method) =

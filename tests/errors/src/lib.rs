@@ -6,12 +6,14 @@
 
 mod draw;
 mod families;
+mod family;
 mod hunt;
 mod normal;
 mod tally;
 
 pub use draw::Draw;
-pub use families::{ALL, Family};
+pub use families::ALL;
+pub use family::Family;
 pub use hunt::{Hunt, Outcome, Verdict, hunt, judged, known};
 pub use tally::Tally;
 

@@ -3,10 +3,15 @@
 use std::path::Path;
 use std::time::Duration;
 
+use scenes::causes::with_causes;
 use stated_errors::{Drawn, judged, known};
 
-/// No number is further from its truth than this many stated errors, and none of a scene is without an answer.
+/// No number is further from its truth than this many stated errors.
 const MOST: f64 = 5.0;
+
+/// Scenes that are refused, with a part of the advice in the message.
+const REFUSED: [(&str, &str); 2] =
+    [("lattice_that_ends_within", "a larger reach"), ("two_wells", "take a finer lattice")];
 
 #[test]
 fn numbers_of_scenes_that_failed_hold() {
@@ -20,7 +25,14 @@ fn numbers_of_scenes_that_failed_hold() {
         assert!(!truths.is_empty(), "{}", path.display());
         let drawn = Drawn { scene, method: "", is_hostile: false, truths };
         let verdicts = judged(&drawn, Duration::from_secs(600));
-        let verdicts = verdicts.unwrap_or_else(|error| panic!("{}: {error:?}", path.display()));
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let refused = REFUSED.iter().find(|(refused, _)| *refused == name);
+        if let (Err(error), Some((_, advice))) = (&verdicts, refused) {
+            let words = with_causes(error);
+            assert!(words.contains(advice), "{name}: {words}");
+            continue;
+        }
+        let verdicts = verdicts.unwrap_or_else(|error| panic!("{name}: {error:?}"));
         assert!(!verdicts.is_empty(), "{}", path.display());
         for verdict in verdicts {
             let off = verdict.off().unwrap_or_default();

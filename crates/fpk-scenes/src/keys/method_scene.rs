@@ -161,7 +161,7 @@ impl MethodScene {
         matches!(self, Self::FlowMapFit(_))
     }
 
-    /// The flow-map fit with fresh lattices, if it has none.
+    /// The flow-map fit with remeshing, if it has none.
     pub(crate) fn remeshed(&self) -> Option<Self> {
         match self {
             Self::FlowMapFit(lattice) if lattice.fresh_lattices.is_none() => {

@@ -1,6 +1,6 @@
 //! Error estimates of a density run from coarser runs.
 
-use fpk_sph::{Combination, Config, Error, InitialLattice, Method, StepRule};
+use fpk_sph::{Combination, Config, Error, InitialLattice, Method, Remapping, StepRule};
 use scene_runs::answers::Unknown;
 
 use super::observed::Observed;
@@ -71,7 +71,8 @@ impl Resolutions {
         let at = |part: f64| {
             let config = config(part)?;
             let ratio = resolution / per_length(&config.lattice);
-            Some((with_longer_steps(config, part, interval), ratio))
+            let config = with_longer_steps(config, part, interval);
+            Some((within_the_work_of(&fine, config), ratio))
         };
         let name_of = |part: f64| format!("density at {part:.3} of the resolution");
         for part in COARSER {
@@ -225,6 +226,24 @@ pub(super) fn with_steps_of_interval<const D: usize>(
     })
 }
 
+/// The configuration of a coarser run, which ends once it takes more work than the fine one: where a density is extrapolated too far, a
+/// coarser lattice can have more cells and shorter steps.
+fn within_the_work_of<const D: usize>(fine: &DensityRun, config: Config<D>) -> Config<D> {
+    let combination = config.method.combination_in(D);
+    let most = MOST_GROWTH * fine.n_particles;
+    let remapping = combination.remapping.map(|remapping| Remapping {
+        most_particles: remapping.most_particles.min(most),
+        ..remapping
+    });
+    let most_steps = config.most_steps.min(2 * fine.work.steps + FEWEST_STEPS);
+    let method = Method::Custom(Combination { remapping, ..combination });
+    Config { method, most_steps, ..config }
+}
+
+/// Most particles of a coarser run over those at the start of the fine one, and steps that it may take in any case.
+const MOST_GROWTH: usize = 16;
+const FEWEST_STEPS: u64 = 1_000;
+
 /// The configuration with other steps, where the rule is a fraction of the period.
 fn with_steps<const D: usize>(config: Config<D>, steps: impl Fn(f64) -> f64) -> Config<D> {
     let combination = config.method.combination_in(D);
@@ -348,8 +367,10 @@ mod tests {
     }
 
     fn in_four_states(method: Method, slow: f64) -> Resolutions {
-        Resolutions::new(run(1.0, &[1.0]), (ball::<4>(method), 1.0), |name, _| {
-            let value = if name.contains("half as fast") { slow } else { 1.1 };
+        Resolutions::new(run(1.0, &[1.0]), (ball::<4>(method), 1.0), |name, config| {
+            let h = 1.0 / per_length(&config.lattice);
+            let value =
+                if name.contains("half as fast") { slow } else { 1.0 + 0.1 * (h * h - 1.0) };
             Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
         })
         .unwrap()

@@ -92,12 +92,16 @@ impl Sampled<'_> {
         };
         let moment = |k: usize| {
             let mut values = values(&|row| &row.moments[k]);
-            values.iter_mut().for_each(|observed| bias.add_to_moment(k, observed));
+            for observed in &mut values {
+                bias.add_to_moment(k, observed);
+            }
             values
         };
         let exceedance = |k: usize| {
             let mut values = values(&|row| &row.exceedances[k]);
-            values.iter_mut().for_each(|observed| bias.add_to_probability(observed));
+            for observed in &mut values {
+                bias.add_to_probability(observed);
+            }
             values
         };
         let quantities = asked_series(scene, named, &moment, &exceedance);

@@ -6,8 +6,8 @@ use sde_integrators::{
 };
 
 use super::observed::Observed;
-use crate::density::Requested;
-use crate::monte_carlo::{Sampling, monomial};
+use crate::density::{Requested, monomial};
+use crate::monte_carlo::Sampling;
 use crate::paths::{PathEnsemble, Paths, PathsError};
 
 /// Pairs of paths: a part of the paths, between these numbers.

@@ -49,7 +49,7 @@ impl Estimator {
 }
 
 /// Paths for which the bias of the steps is measured: the number of pairs is a part of it.
-const PATHS_OF_BIAS: u64 = 8_000;
+const PATHS_OF_BIAS: u64 = 80_000;
 
 /// Steps of the linearisation that guides the paths, per period.
 const STEPS_OF_GUIDE: f64 = 20.0;

@@ -1,6 +1,5 @@
 //! How far out a lattice must go: the probability that a normal distribution has beyond it.
 
-use crate::cloud::start::InitialLattice;
 use crate::error::Error;
 
 /// Part of the smallest probability asked for that a lattice may leave outside.
@@ -45,37 +44,11 @@ fn reach_for(probability: f64, outside: impl Fn(f64) -> f64) -> Result<f64, Erro
     Ok(beyond)
 }
 
-impl<const D: usize> InitialLattice<D> {
-    /// Part of an absolute moment of order `k` that a normal distribution has beyond the lattice.
-    ///
-    /// Beyond a ball of `r` standard deviations it is `Q_{D+k}(r)`, the upper tail of the chi distribution with `D + k` components;
-    /// beyond a box, of the worst axis, `1 - (1 - Q_{1+k}(r)) (1 - Q_1(r))^{D-1}`. In a linear system the part stays what it is, since
-    /// its flow maps ellipsoids to ellipsoids. `deviations` are those of the states at the start. A distribution of several components
-    /// counts as one of the same covariance.
-    #[must_use]
-    pub fn moment_outside(&self, deviations: &[f64; D], order: u32) -> f64 {
-        let order = order as usize;
-        let of_box = |reaches: [f64; D]| {
-            let least = reaches.into_iter().fold(f64::INFINITY, f64::min);
-            let inside: f64 = reaches.iter().map(|&r| 1.0 - outside_ball(1, r)).product();
-            let [of_moment, of_mass] = [1 + order, 1].map(|n| 1.0 - outside_ball(n, least));
-            1.0 - inside * of_moment / of_mass
-        };
-        match *self {
-            Self::Ball { reach, .. } => outside_ball(D + order, reach),
-            Self::Box { reach, .. } => of_box([reach; D]),
-            Self::Rectangle { half_width, .. } => {
-                of_box(std::array::from_fn(|k| half_width[k] / deviations[k]))
-            }
-        }
-    }
-}
-
 /// `P(|Z| > r)` of a standard normal vector in `dimension` components, the upper tail of the chi distribution:
 ///
 /// $$ Q_1 = \mathrm{erfc}(r / \sqrt 2), \quad Q_2 = e^{-r^2/2}, \quad
 ///    Q_{n+2} = Q_n + \frac{(r^2/2)^{n/2}}{\Gamma(n/2 + 1)} e^{-r^2/2} . $$
-fn outside_ball(dimension: usize, r: f64) -> f64 {
+pub(crate) fn outside_ball(dimension: usize, r: f64) -> f64 {
     let half_square = 0.5 * r * r;
     // The term that leads from n to n + 2 components, which becomes the next by a factor.
     let (mut n, mut tail, mut term) = if dimension.is_multiple_of(2) {
@@ -143,22 +116,6 @@ mod tests {
         assert!((outside_box(3, 2.0) / expected - 1.0).abs() < 1e-14);
         // Where 1 - (1 - face)^2 is 0 in double precision.
         assert!((outside_box(2, 9.0) / (2.0 * outside_ball(1, 9.0)) - 1.0).abs() < 1e-14);
-    }
-
-    #[test]
-    fn what_a_moment_has_outside_is_its_integral_beyond() {
-        // E[r^2; r > R] / E[r^2] = (1 + R^2/2) exp(-R^2/2) in the plane.
-        let ball = InitialLattice::<2>::Ball { reach: 3.0, spacing: 0.5 };
-        let exact = (1.0 + 4.5) * (-4.5_f64).exp();
-        assert!((ball.moment_outside(&[1.0, 2.0], 2) / exact - 1.0).abs() < 1e-12);
-        // Along one axis E[x^2; |x| > R] = Q_1 + 2 R phi(R).
-        let line = InitialLattice::<1>::Box { reach: 2.0, count: [9] };
-        let density = (-2.0_f64).exp() / std::f64::consts::TAU.sqrt();
-        let exact = outside_interval(2.0) + 4.0 * density;
-        assert!((line.moment_outside(&[1.0], 2) / exact - 1.0).abs() < 1e-12);
-        let rectangle = InitialLattice::<2>::Rectangle { half_width: [2.0, 8.0], count: [9, 9] };
-        let inside = (1.0 - exact) * (1.0 - outside_interval(4.0));
-        assert!((rectangle.moment_outside(&[1.0, 2.0], 2) - (1.0 - inside)).abs() < 1e-12);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use particle_store::Lattice;
 use sde_integrators::GaussianMixture;
 
 use crate::cloud::metric::{Metric, Whitening};
-use crate::cloud::reach::{ball_reach, box_reach};
+use crate::cloud::reach::{ball_reach, box_reach, outside_ball};
 use crate::error::{Error, finite, positive};
 
 /// The lattice on which the particles start, centred on the mean of the initial distribution.
@@ -60,6 +60,30 @@ impl<const D: usize> InitialLattice<D> {
     /// [`Error::OutOfRange`] for the probability.
     pub fn ball_down_to(smallest_probability: f64, spacing: f64) -> Result<Self, Error> {
         Ok(Self::Ball { reach: ball_reach(D, smallest_probability)?, spacing })
+    }
+
+    /// Part of an absolute moment of order `k` that a normal distribution has beyond the lattice.
+    ///
+    /// Beyond a ball of `r` standard deviations it is `Q_{D+k}(r)`, the upper tail of the chi distribution with `D + k` components;
+    /// beyond a box, of the worst axis, `1 - (1 - Q_{1+k}(r)) (1 - Q_1(r))^{D-1}`. In a linear system the part stays what it is, since
+    /// its flow maps ellipsoids to ellipsoids. `deviations` are those of the states at the start. A distribution of several components
+    /// counts as one of the same covariance.
+    #[must_use]
+    pub fn moment_outside(&self, deviations: &[f64; D], order: u32) -> f64 {
+        let order = order as usize;
+        let of_box = |reaches: [f64; D]| {
+            let least = reaches.into_iter().fold(f64::INFINITY, f64::min);
+            let inside: f64 = reaches.iter().map(|&r| 1.0 - outside_ball(1, r)).product();
+            let [of_moment, of_mass] = [1 + order, 1].map(|n| 1.0 - outside_ball(n, least));
+            1.0 - inside * of_moment / of_mass
+        };
+        match *self {
+            Self::Ball { reach, .. } => outside_ball(D + order, reach),
+            Self::Box { reach, .. } => of_box([reach; D]),
+            Self::Rectangle { half_width, .. } => {
+                of_box(std::array::from_fn(|k| half_width[k] / deviations[k]))
+            }
+        }
     }
 }
 
@@ -140,4 +164,25 @@ pub(crate) fn initial_spacing<const D: usize>(
 ) -> Result<f64, Error> {
     let map = Whitening::of(metric, &start.positions, &start.masses, (0, 0.0))?;
     Ok((start.cell_volume / map.determinant()).powf(1.0 / D as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_moment_has_outside_is_its_integral_beyond() {
+        // E[r^2; r > R] / E[r^2] = (1 + R^2/2) exp(-R^2/2) in the plane.
+        let ball = InitialLattice::<2>::Ball { reach: 3.0, spacing: 0.5 };
+        let exact = (1.0 + 4.5) * (-4.5_f64).exp();
+        assert!((ball.moment_outside(&[1.0, 2.0], 2) / exact - 1.0).abs() < 1e-12);
+        // Along one axis E[x^2; |x| > R] = Q_1 + 2 R phi(R).
+        let line = InitialLattice::<1>::Box { reach: 2.0, count: [9] };
+        let density = (-2.0_f64).exp() / std::f64::consts::TAU.sqrt();
+        let exact = outside_ball(1, 2.0) + 4.0 * density;
+        assert!((line.moment_outside(&[1.0], 2) / exact - 1.0).abs() < 1e-12);
+        let rectangle = InitialLattice::<2>::Rectangle { half_width: [2.0, 8.0], count: [9, 9] };
+        let inside = (1.0 - exact) * (1.0 - outside_ball(1, 4.0));
+        assert!((rectangle.moment_outside(&[1.0, 2.0], 2) - (1.0 - inside)).abs() < 1e-12);
+    }
 }

@@ -15,7 +15,7 @@ fn what_lies_beyond_the_reach_is_found_in_a_linear_system() {
     for reach in [2.0, 3.0] {
         let lattice = InitialLattice::Ball { reach, spacing: 0.2 };
         let mut simulation =
-            Simulation::new(&system, &law, &config(lattice, system.period())).unwrap();
+            Simulation::new(system.clone(), &law, &config(lattice, system.period())).unwrap();
         simulation.advance_to(3.0).unwrap();
         let exact = exact_moments(&system, &law, 3.0);
         let corrected = simulation.moment_correction().unwrap();
@@ -39,7 +39,7 @@ fn a_density_that_one_lattice_does_not_resolve_is_seen() {
     let period = std::f64::consts::TAU * system.relaxation_time();
     let relative = |reach: f64, count: usize, t: f64| {
         let lattice = InitialLattice::Box { reach, count: [count] };
-        let mut simulation = Simulation::new(&system, &law, &config(lattice, period)).unwrap();
+        let mut simulation = Simulation::new(system, &law, &config(lattice, period)).unwrap();
         simulation.advance_to(t).unwrap();
         simulation.moment_correction().unwrap().relative_change()
     };
@@ -53,7 +53,7 @@ fn a_snapshot_keeps_the_errors() {
         (oscillator(2.0, 0.1, 0.3), GaussianMixture::independent([0.2, 0.0], [0.2, 0.3]));
     let law = law.unwrap();
     let config = config(InitialLattice::Ball { reach: 3.0, spacing: 0.4 }, 3.0);
-    let start = || Simulation::new(&system, &law, &config).unwrap();
+    let start = || Simulation::new(system.clone(), &law, &config).unwrap();
     let (mut whole, mut second) = (start(), start());
     whole.advance_to(0.5).unwrap();
     let mut bytes = Vec::new();

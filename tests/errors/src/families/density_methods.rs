@@ -10,22 +10,32 @@ pub(super) struct Solvable {
     pub(super) n_states: usize,
     /// Shortest period, or relaxation time of the steps.
     pub(super) period: f64,
-    pub(super) is_oscillator: bool,
-    pub(super) has_additive_noise: bool,
+    pub(super) class: Class,
     pub(super) has_filter: bool,
-    /// Whether its drift is linear: a flow map of another one folds, and needs fresh lattices.
+    /// Whether its drift is linear: a flow map of another one folds, and needs remeshing.
     pub(super) is_linear: bool,
     /// Whether a demand is compared with thresholds.
     pub(super) has_thresholds: bool,
 }
 
+/// What of the noise and the states a method relies on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Class {
+    /// Two states, noise on the velocity alone.
+    Oscillator,
+    /// Additive noise.
+    Additive,
+    /// Noise that depends on the state.
+    General,
+}
+
 /// A method that solves the system, by its name; hostile settings are valid and chosen badly.
 pub(super) fn method(draw: &mut Draw, of: &Solvable, hostile: bool) -> (&'static str, Value) {
     let mut names = vec!["flow_map_fit", "flow_map_fit", "monte_carlo"];
-    if of.is_oscillator {
+    if of.class == Class::Oscillator {
         names.push("conservative_grid");
     }
-    if of.has_additive_noise {
+    if of.class != Class::General {
         names.push("statistical_linearisation");
         if of.has_thresholds {
             names.extend(["guided_paths", "subset_simulation"]);
@@ -59,7 +69,7 @@ pub(super) fn method(draw: &mut Draw, of: &Solvable, hostile: bool) -> (&'static
         _ => {
             let samples = if hostile { draw.whole(100, 200) } else { draw.whole(300, 800) };
             let correlation = if hostile { draw.between(0.1, 0.99) } else { 0.8 };
-            let runs = if hostile { draw.whole(2, 4) } else { draw.whole(8, 16) };
+            let runs = if hostile { draw.whole(4, 6) } else { draw.whole(8, 16) };
             let seed = draw.whole(1, 1_000_000);
             json!({ "samples": samples, "correlation": correlation, "runs": runs, "step": step(draw), "seed": seed })
         }
@@ -92,7 +102,7 @@ fn lattice(draw: &mut Draw, of: &Solvable, hostile: bool) -> Value {
         let spacing = draw.between(finest, if hostile { 1.5 } else { finest + 0.1 });
         json!({ "spacing": spacing, "reach": reach.min(widest) })
     };
-    if of.has_filter && of.n_states > 4 || of.has_filter && draw.chance(0.5) {
+    if of.has_filter && (of.n_states > 4 || draw.chance(0.5)) {
         lattice["filter"] = json!("conditioned");
         lattice["spacing"] = json!(if hostile { 0.9 } else { 0.35 });
         lattice["reach"] = json!(reach);

@@ -7,11 +7,10 @@ use fpk_scenes::system::{System, Visitor};
 use fpk_scenes::system_scene::SystemScene;
 use serde_json::{Value, json};
 
-use super::Family;
-use super::density_methods::{Solvable, method};
-use crate::Truth;
+use super::density_methods::{Class, Solvable, method};
 use crate::draw::{Draw, rounded};
 use crate::normal::{Linear, Normal, laws};
+use crate::{Family, Truth};
 
 pub(super) const FAMILY: Family = Family {
     name: "linear-systems",
@@ -27,8 +26,7 @@ const ERROR_OF_TRUTH: f64 = 1e-8;
 
 fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let keys = system(draw, hostile);
-    let named: SystemScene = built(&keys);
-    let system = named.build().unwrap_or_else(|error| panic!("{keys}: {error}"));
+    let system = valid(built::<SystemScene>(&keys).build());
     let n = system.states().len();
     let period = system.reference_period();
     let period = if period.is_finite() { period } else { draw.scaled(0.3, 3.0) };
@@ -38,8 +36,7 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let of = Solvable {
         n_states: n,
         period,
-        is_oscillator: system.oscillator().is_some(),
-        has_additive_noise: true,
+        class: if system.oscillator().is_some() { Class::Oscillator } else { Class::Additive },
         has_filter: system.filter_covariance().is_some(),
         is_linear: true,
         has_thresholds: true,
@@ -58,7 +55,7 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
         "solver": "fpk-sph", "title": "a linear system", "system": keys, "initial": initial, "method": method,
         "times": { "until": until, "every": every }, "moments": moments, "thresholds": [],
     });
-    if n > 1 && !is_conditioned && !of.is_oscillator && draw.chance(0.3) {
+    if n > 1 && !is_conditioned && of.class != Class::Oscillator && draw.chance(0.3) {
         weights = (0..n).map(|_| draw.between(-1.0, 1.0)).collect();
         scene["demand"] = json!({ "combination": { "name": "y", "weights": weights } });
     }
@@ -102,8 +99,15 @@ pub(super) fn moment_id(powers: &[u32]) -> String {
     format!("moment/{}", words.join("-"))
 }
 
+/// Keys that were drawn.
 pub(super) fn built<T: serde::de::DeserializeOwned>(keys: &Value) -> T {
-    serde_json::from_value(keys.clone()).unwrap_or_else(|error| panic!("{keys}: {error}"))
+    valid(serde_json::from_value(keys.clone()))
+}
+
+/// What was drawn is valid.
+#[expect(clippy::panic, reason = "a family that draws what is no scene is wrong itself")]
+fn valid<T, E: std::fmt::Display>(drawn: Result<T, E>) -> T {
+    drawn.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Times of observation at equal intervals.
@@ -242,8 +246,7 @@ impl Visitor for TruthOf<'_> {
     type Output = Vec<Normal>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Vec<Normal> {
-        let law = self.initial.build::<D>(self.filter.as_deref());
-        let law = law.unwrap_or_else(|error| panic!("{error}"));
+        let law = valid(self.initial.build::<D>(self.filter.as_deref()));
         let covariance = law.covariance().iter().map(|row| row.to_vec()).collect();
         let start = Normal { mean: law.mean().to_vec(), covariance };
         laws(&Of(system), &start, self.times, self.step)

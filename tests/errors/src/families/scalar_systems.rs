@@ -6,12 +6,11 @@ use fpk_scenes::system::System;
 use fpk_scenes::system_scene::SystemScene;
 use serde_json::{Value, json};
 
-use super::Family;
-use super::density_methods::{Solvable, method};
+use super::density_methods::{Class, Solvable, method};
 use super::linear_systems::{moment_id, times};
-use crate::Truth;
 use crate::draw::{Draw, rounded};
 use crate::normal::Normal;
+use crate::{Family, Truth};
 
 /// Double wells.
 pub(super) const WELLS: Family = Family {
@@ -45,8 +44,7 @@ fn wells(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let of = Solvable {
         n_states: 1,
         period,
-        is_oscillator: false,
-        has_additive_noise: true,
+        class: Class::Additive,
         has_filter: false,
         is_linear: false,
         has_thresholds: true,
@@ -218,8 +216,7 @@ fn closed(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let of = Solvable {
         n_states: 1,
         period,
-        is_oscillator: false,
-        has_additive_noise: false,
+        class: Class::General,
         has_filter: false,
         is_linear: false,
         has_thresholds: false,

@@ -6,11 +6,10 @@ use fpk_scenes::system_scene::SystemScene;
 use serde_json::{Value, json};
 use vibrating_systems::Window;
 
-use super::Family;
-use super::density_methods::{Solvable, method};
+use super::density_methods::{Class, Solvable, method};
 use super::linear_systems::{built, moment_id};
-use crate::Truth;
 use crate::draw::{Draw, rounded};
+use crate::{Family, Truth};
 
 pub(super) const FAMILY: Family = Family {
     name: "stationary-oscillators",
@@ -46,8 +45,7 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let of = Solvable {
         n_states: 2,
         period: std::f64::consts::TAU / w,
-        is_oscillator: true,
-        has_additive_noise: true,
+        class: Class::Oscillator,
         has_filter: false,
         is_linear: false,
         has_thresholds: false,
@@ -116,7 +114,7 @@ fn stationary(system: &SystemScene) -> Option<(Moment, f64)> {
                 _ => 0.375,
             };
             let moment = move |powers: [i32; 2]| {
-                let half = (powers[0] + powers[1]) / 2;
+                let half = i32::midpoint(powers[0], powers[1]);
                 of(half) / of(0) * phase(powers) / w.powi(powers[0])
             };
             Some((Box::new(moment), 12.0 / a))

@@ -63,7 +63,6 @@ pub struct Exceedances {
     /// What that integral rests on, in words, where it is less than particles.
     pub note: Option<String>,
     /// Its error by the moment equations.
-    #[serde(default)]
     pub offset: f64,
 }
 
@@ -75,13 +74,10 @@ pub struct Row {
     /// Raw moments, in the requested order.
     pub moments: Vec<f64>,
     /// Moments of the absolute values, in the same order: scales of the errors.
-    #[serde(default)]
     pub scales: Vec<f64>,
     /// Errors of the moments by the moment equations, in the same order.
-    #[serde(default)]
     pub offsets: Vec<f64>,
     /// Relative error of standard deviations by the moment equations.
-    #[serde(default)]
     pub violation: f64,
     /// Probabilities, in the order of the thresholds.
     pub exceedances: Vec<Exceedances>,

@@ -38,7 +38,7 @@ pub enum BuildingMethod {
         samples: usize,
         /// Correlation of the proposal with the current path, between 0 and 1 (no unit).
         correlation: f64,
-        /// Number of independent runs, from 4 to 65536; their scatter is the standard error (no unit).
+        /// Number of independent runs, from 4 to 65536; the standard error is from their scatter (no unit).
         runs: u64,
         /// Longest step (s).
         step: f64,

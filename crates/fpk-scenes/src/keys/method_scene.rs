@@ -78,7 +78,7 @@ pub enum MethodScene {
         samples: usize,
         /// Correlation of the proposal with the current path, between 0 and 1 (no unit).
         correlation: f64,
-        /// Number of independent runs, from 4 to 65536; their scatter is the standard error (no unit).
+        /// Number of independent runs, from 4 to 65536; the standard error is from their scatter (no unit).
         runs: u64,
         /// Longest step (s).
         step: f64,
@@ -210,7 +210,16 @@ impl MethodScene {
             Self::ConservativeGrid { .. } => self.check_grid(system),
             Self::StatisticalLinearisation { step } => {
                 let path = "method.statistical_linearisation";
-                must(&format!("{path}.step"), *step, *step > 0.0, "greater than 0")?;
+                let key = format!("{path}.step");
+                must(&key, *step, *step > 0.0, "greater than 0")?;
+                let longest = system.reference_period() / FEWEST_LINEARISED_STEPS;
+                // An interval between observations has one step at least.
+                let taken = times.first().map_or(*step, |every| step.min(*every));
+                let limit = format!(
+                    "at most {}, a fifth of the shortest period of the system, where its steps are stable",
+                    exact(longest)
+                );
+                must(&key, *step, taken <= longest, &limit)?;
                 check_additive(path, system)
             }
             Self::GuidedPaths { samples, step, .. } => {
@@ -286,6 +295,10 @@ fn check_additive(path: &str, system: &System) -> Result<(), Objection> {
     let message = "linearisation needs additive noise; that of this system depends on the state";
     Err(Objection::new(path, message).with_help("use `monte_carlo` or a density method"))
 }
+
+/// Fewest steps of linearisation in a period: Runge-Kutta 4 is stable for second moments, which oscillate and decay twice as fast as the
+/// states, up to 0.22 periods.
+const FEWEST_LINEARISED_STEPS: f64 = 5.0;
 
 /// Fewest paths: the scatter of fewer says little of a standard error.
 const FEWEST_PATHS: u64 = 20;

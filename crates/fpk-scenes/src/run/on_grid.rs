@@ -47,7 +47,7 @@ pub(super) fn solve(
     let clock = CpuClock::start();
     let every = scene.times.every;
     let pairs = StepsOfInterval::new(0.5 * every * config.steps_per_period / config.period, RATIO);
-    let config = config.with_pairs(pairs.fine, every);
+    let config = with_pairs(config, pairs.fine, every);
     let (fine, steps) = follow(&config).map_err(RunError::solver)?;
     let work =
         WorkRecord { steps: Some(steps), cpu_seconds: clock.seconds(), ..WorkRecord::default() };
@@ -61,16 +61,16 @@ pub(super) fn solve(
         })
     };
     let (ratio, next) = pairs.ratios();
-    let coarse = (coarser(&config.with_pairs(pairs.coarse, every), "in steps"), ratio);
+    let coarse = (coarser(&with_pairs(&config, pairs.coarse, every), "in steps"), ratio);
     // One that is too coarse for the scheme is left out.
     let coarsest = pairs.coarsest.zip(next).and_then(|(n, next)| {
-        let config = config.with_pairs(n, every);
+        let config = with_pairs(&config, n, every);
         let is_admitted = config.steps_per_period >= FEWEST_STEPS_OF_COARSEST;
         is_admitted.then(|| (coarser(&config, "twice in steps"), next))
     });
     let of_steps = Refinement { coarse, coarsest, orders: Orders { of_method: 2.0, largest: 4.0 } };
-    let (coarse, ratio) = config.with_fewer_cells();
-    let (coarsest, next) = coarse.with_fewer_cells();
+    let (coarse, ratio) = with_fewer_cells(&config);
+    let (coarsest, next) = with_fewer_cells(&coarse);
     let of_cells = Refinement {
         coarse: (coarser(&coarse, "in cells"), ratio),
         coarsest: (coarsest.cells >= FEWEST_CELLS_OF_COARSEST)
@@ -120,26 +120,14 @@ const RATIO: f64 = std::f64::consts::SQRT_2;
 const FEWEST_STEPS_OF_COARSEST: f64 = 4.0;
 const FEWEST_CELLS_OF_COARSEST: usize = 16;
 
-/// Coarser grids.
-trait Coarsened {
-    /// With as many pairs of steps in an interval between observations.
-    fn with_pairs(&self, n: u32, every: f64) -> Self;
-    /// With fewer cells, and the ratio of the numbers of cells.
-    fn with_fewer_cells(&self) -> (GridConfig, f64);
+/// A grid with as many pairs of steps in an interval between observations.
+fn with_pairs(grid: &GridConfig, n: u32, every: f64) -> GridConfig {
+    GridConfig { steps_per_period: 2.0 * f64::from(n) * grid.period / every, ..*grid }
 }
 
-impl Coarsened for GridConfig {
-    fn with_pairs(&self, n: u32, every: f64) -> Self {
-        Self { steps_per_period: 2.0 * f64::from(n) * self.period / every, ..*self }
-    }
-
-    fn with_fewer_cells(&self) -> (GridConfig, f64) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "fewer than cells"
-        )]
-        let cells = (self.cells as f64 / RATIO).round() as usize;
-        (Self { cells, ..*self }, self.cells as f64 / cells as f64)
-    }
+/// A grid with fewer cells, and the ratio of their numbers.
+fn with_fewer_cells(grid: &GridConfig) -> (GridConfig, f64) {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "fewer than cells")]
+    let cells = (grid.cells as f64 / RATIO).round() as usize;
+    (GridConfig { cells, ..*grid }, grid.cells as f64 / cells as f64)
 }

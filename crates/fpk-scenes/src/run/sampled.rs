@@ -32,8 +32,7 @@ const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
 
 /// Measures the bias of the steps; all other code is compiled once for each number of states.
-type BiasOf<'a, const D: usize> =
-    &'a dyn Fn(&GaussianMixture<D>, &Requested<D>) -> Result<StepBias, PathsError>;
+type BiasOf<'a, const D: usize> = &'a dyn Fn(&GaussianMixture<D>, &Requested<D>) -> StepBias;
 
 impl Visitor for Sampled<'_> {
     type Output = Result<Computed<Content>, RunError>;
@@ -79,7 +78,7 @@ impl Sampled<'_> {
         let ensemble = SampledRun::of(&asked, &merged, cpu_seconds)?;
         run.progress.stage("pairs of paths with half the step, for its bias");
         let clock = CpuClock::start();
-        let bias = bias(&law, &asked)?;
+        let bias = bias(&law, &asked);
         let cpu_seconds = ensemble.cpu_seconds + clock.seconds();
         let work = WorkRecord {
             path_steps: u64::try_from(ensemble.path_steps).ok(),
@@ -105,7 +104,8 @@ impl Sampled<'_> {
             values
         };
         let quantities = asked_series(scene, named, &moment, &exceedance);
-        let content = Content { seed: Some(sampling.seed), work, quantities, ..Content::default() };
+        let (seed, unknown) = (Some(sampling.seed), bias.unknown().into_iter().collect());
+        let content = Content { seed, work, unknown, quantities, ..Content::default() };
         Ok(Computed::Here(content))
     }
 }

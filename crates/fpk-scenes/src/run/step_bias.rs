@@ -1,6 +1,8 @@
 //! The bias that the steps of paths leave in moments and probabilities, measured on pairs of paths: one place for all methods that
 //! sample.
 
+use scene_runs::answers::Unknown;
+use scene_runs::causes::with_causes;
 use sde_integrators::{
     EnsembleConfig, GaussianMixture, Observable, StepDifference, normal_quantile,
 };
@@ -8,7 +10,7 @@ use sde_integrators::{
 use super::observed::Observed;
 use crate::density::{Requested, monomial};
 use crate::monte_carlo::Sampling;
-use crate::paths::{PathEnsemble, Paths, PathsError};
+use crate::paths::{PathEnsemble, Paths};
 
 /// Pairs of paths: a part of the paths, between these numbers.
 const PART: u64 = 20;
@@ -18,19 +20,22 @@ const MOST: u64 = 4_000;
 /// The bias of the steps of paths at each time of observation.
 #[derive(Debug)]
 pub(super) struct StepBias {
+    /// Empty where a pair failed.
     rows: Vec<Vec<StepDifference>>,
+    /// Why, if one did.
+    failed: Option<String>,
     times: Vec<f64>,
     bias_over_difference: f64,
 }
 
 impl StepBias {
-    /// Measures the bias of a sampling.
+    /// Measures the bias of a sampling. Where a pair of paths fails the bias is unknown, and no estimate is lost for it.
     pub(super) fn measured<S: Paths<D, M>, const D: usize, const M: usize>(
         system: &S,
         law: &GaussianMixture<D>,
         sampling: &Sampling,
         asked: &Requested<D>,
-    ) -> Result<Self, PathsError> {
+    ) -> Self {
         let Requested { times, powers, demand, .. } = asked;
         let monomials: Vec<_> =
             powers.iter().map(|&powers| move |_: f64, x: &[f64; D]| monomial(powers, x)).collect();
@@ -41,9 +46,22 @@ impl StepBias {
         let &Sampling { paths, step, seed } = sampling;
         let config = EnsembleConfig { seed, n_paths: paths, dt: step, times: times.clone() };
         let ensemble = PathEnsemble { law, config: &config, observables: &observables };
-        let rows = system.step_differences(&ensemble, (paths / PART).clamp(FEWEST, MOST))?;
+        let found = system.step_differences(&ensemble, (paths / PART).clamp(FEWEST, MOST));
+        let failed = found.as_ref().err().map(|error| with_causes(error));
         let bias_over_difference = S::INTEGRATOR.bias_over_difference();
-        Ok(Self { rows, times: times.clone(), bias_over_difference })
+        let rows = found.unwrap_or_default();
+        Self { rows, failed, times: times.clone(), bias_over_difference }
+    }
+
+    /// The errors that are unknown without the bias.
+    pub(super) fn unknown(&self) -> Option<Unknown> {
+        let failed = self.failed.as_ref()?;
+        Some(Unknown {
+            what: "errors of all quantities".to_owned(),
+            reason: format!(
+                "the bias of the steps is measured on pairs of paths, and one failed: {failed}"
+            ),
+        })
     }
 
     /// Adds the bias to the error of moment `k`.

@@ -65,7 +65,7 @@ impl Visitor for TailsOf<'_> {
         let law = self.scene.initial_law::<D>(self.system)?;
         let asked = self.scene.requested::<D>(self.system, false)?;
         let sampling = Sampling { paths: PATHS_OF_BIAS, step: self.step, seed: self.seed };
-        let bias = StepBias::measured(system, &law, &sampling, &asked)?;
+        let bias = StepBias::measured(system, &law, &sampling, &asked);
         let found = match self.how {
             Estimator::Guided { samples } => {
                 let order = order(self.system.kinks());
@@ -83,6 +83,7 @@ impl Visitor for TailsOf<'_> {
         Ok(found.map(|mut content| {
             let all = content.quantities.iter_mut().flat_map(|series| &mut series.values);
             all.for_each(|observed| bias.add_to_probability(observed));
+            content.unknown.extend(bias.unknown());
             content
         }))
     }

@@ -56,13 +56,19 @@ impl<const D: usize> Solver<D> {
             let indices = places.iter().map(index_of_place).collect();
             self.discretisation.lay(ParticleLattice::new(indices, lattice.spacing))?;
         }
-        self.state = state;
-        for (name, value) in self.balance.errors.named_mut() {
-            // A snapshot of an earlier version has none: what went before is then unknown, and counts from here.
-            if let Some(Attribute::Real(saved)) = store.attribute(&name) {
-                *value = saved;
+        let mut errors = self.balance.errors;
+        for (name, value) in errors.named_mut() {
+            *value = match store.attribute(&name) {
+                Some(Attribute::Real(saved)) => saved,
+                _ => f64::NAN,
+            };
+            let (quantity, particle, value) = ("error of the moments", 0, *value);
+            if !value.is_finite() {
+                return Err(Error::SnapshotNumber { quantity, particle, value, must: "finite" });
             }
         }
+        self.state = state;
+        self.balance.errors = errors;
         self.resize_buffers();
         Ok(())
     }

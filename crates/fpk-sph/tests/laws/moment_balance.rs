@@ -1,6 +1,7 @@
 //! Errors by the moment equations.
 
-use fpk_sph::{InitialLattice, MeanAndCovariance, Simulation};
+use fpk_sph::{Error, InitialLattice, MeanAndCovariance, Simulation};
+use particle_store::{Attribute, ParticleStore};
 use sde_integrators::GaussianMixture;
 use vibrating_systems::{Bistable, BistableParameters};
 
@@ -68,4 +69,11 @@ fn a_snapshot_keeps_the_errors() {
     };
     assert_eq!(bits(whole.moment_errors()), bits(second.moment_errors()));
     assert!(whole.moment_errors().covariance[0][0] < 0.0);
+    // Errors that are not there are not zero.
+    let mut store = ParticleStore::<2>::restore(&bytes[..]).unwrap();
+    store.set_attribute("moment_error_3", Attribute::Real(f64::NAN));
+    let mut other = Vec::new();
+    store.snapshot(&mut other).unwrap();
+    let error = second.restore(&other[..]).unwrap_err();
+    assert!(matches!(error, Error::SnapshotNumber { must: "finite", .. }), "{error}");
 }

@@ -55,7 +55,7 @@ pub(super) fn method(draw: &mut Draw, of: &Solvable, hostile: bool) -> (&'static
             json!({ "cells": cells, "reach": reach, "steps_per_period": steps })
         }
         "statistical_linearisation" => {
-            let per_period = if hostile { draw.scaled(1.0, 16.0) } else { draw.scaled(20.0, 80.0) };
+            let per_period = if hostile { draw.scaled(5.0, 16.0) } else { draw.scaled(20.0, 80.0) };
             json!({ "step": rounded(of.period / per_period) })
         }
         "monte_carlo" => {

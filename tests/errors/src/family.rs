@@ -1,10 +1,11 @@
 //! A kind of scenes with known answers.
 
-use fpk_scenes::scene::FpkScene;
-use fpk_scenes::system::System;
+use std::time::Duration;
+
+use scenes::RunError;
 use serde_json::Value;
 
-use crate::{Draw, Truth};
+use crate::{Draw, Truth, Verdict};
 
 /// Scenes of one kind whose answers are known.
 #[derive(Debug, Clone, Copy)]
@@ -18,5 +19,7 @@ pub struct Family {
     /// Draws a scene and the name of its method; hostile if so asked.
     pub draw: fn(&mut Draw, bool) -> (Value, &'static str),
     /// What is known of the answers of a scene; none of a scene of another kind.
-    pub truths: fn(&FpkScene, &System) -> Option<Vec<Truth>>,
+    pub truths: fn(&Value) -> Option<Vec<Truth>>,
+    /// Runs a scene, no longer than allowed, and compares its numbers with what is known.
+    pub judge: fn(&Value, &[Truth], Duration) -> Result<Vec<Verdict>, RunError>,
 }

@@ -1,11 +1,11 @@
 //! Draws scenes, runs them and compares their answers with the truth.
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use fpk_scenes::scene::FpkScene;
 use scenes::answers::{Answers, Number};
 use scenes::{Progress, RunError, SceneFile, causes, kind_of};
-
 use serde_json::Value;
 
 use crate::{ALL, Draw, Drawn, Family, Truth};
@@ -25,13 +25,13 @@ pub struct Hunt {
     pub methods: Vec<String>,
     /// Longest run.
     pub longest: Duration,
+    /// Number of scenes that run at the same time, each on a thread.
+    pub threads: usize,
 }
 
 /// A scene that was run.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Name of its family.
-    pub family: &'static str,
     /// Its number in the hunt.
     pub index: u64,
     /// The scene with its true answers.
@@ -72,47 +72,69 @@ impl Verdict {
     }
 }
 
-/// Runs scenes drawn from families, and calls `look` after each.
-pub fn hunt(families: &[Family], hunt: &Hunt, look: &mut dyn FnMut(&Outcome)) -> Vec<Outcome> {
-    let is_asked = |family: &&Family| {
-        hunt.families.is_empty() || hunt.families.iter().any(|name| name == family.name)
+/// Runs scenes drawn from all families, and calls `look` after each; the outcomes in the order of their numbers.
+pub fn hunt(hunt: &Hunt, look: &mut (dyn FnMut(&Outcome) + Send)) -> Vec<Outcome> {
+    let next = AtomicU64::new(hunt.first);
+    let done = Mutex::new((Vec::new(), look));
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= hunt.first + hunt.runs {
+                break;
+            }
+            let Some(drawn) = hunt.drawn(index) else { continue };
+            let started = Instant::now();
+            let verdicts = judged(&drawn, hunt.longest);
+            let verdicts = verdicts.map_err(|error| causes::with_causes(&error));
+            let seconds = started.elapsed().as_secs_f64();
+            let outcome = Outcome { index, drawn, verdicts, seconds };
+            if let Ok(mut done) = done.lock() {
+                (done.1)(&outcome);
+                done.0.push(outcome);
+            }
+        }
     };
-    let families: Vec<&Family> = families.iter().filter(is_asked).collect();
-    let whole: f64 = families.iter().map(|family| family.weight).sum();
-    let mut outcomes = Vec::new();
-    for index in hunt.first..hunt.first + hunt.runs {
-        let mut draw = Draw::new(hunt.seed, index);
+    std::thread::scope(|scope| {
+        for _ in 0..hunt.threads.max(1) {
+            scope.spawn(work);
+        }
+    });
+    let mut outcomes = done.into_inner().map_or_else(|poisoned| poisoned.into_inner().0, |it| it.0);
+    outcomes.sort_by_key(|outcome| outcome.index);
+    outcomes
+}
+
+impl Hunt {
+    /// Scene of a number; none if its method is not asked for.
+    fn drawn(&self, index: u64) -> Option<Drawn> {
+        let is_asked = |family: &&Family| {
+            self.families.is_empty() || self.families.iter().any(|name| name == family.name)
+        };
+        let families: Vec<&Family> = ALL.iter().filter(is_asked).collect();
+        let whole: f64 = families.iter().map(|family| family.weight).sum();
+        let mut draw = Draw::new(self.seed, index);
         let mut place = draw.between(0.0, whole);
         let chosen = families.iter().find(|family| {
             place -= family.weight;
             place <= 0.0
         });
-        let Some(family) = chosen.or(families.last()) else { break };
-        let hostile = draw.chance(0.35);
-        let (scene, method) = (family.draw)(&mut draw, hostile);
-        let truths = known(&scene).unwrap_or_default();
-        let drawn = Drawn { scene, method, is_hostile: hostile, truths };
-        if !hunt.methods.is_empty() && hunt.methods.iter().all(|name| name != drawn.method) {
-            continue;
+        let family = *chosen.or(families.last())?;
+        let is_hostile = draw.chance(0.35);
+        let (scene, method) = (family.draw)(&mut draw, is_hostile);
+        if !self.methods.is_empty() && self.methods.iter().all(|name| name != method) {
+            return None;
         }
-        let started = Instant::now();
-        let verdicts = judged(&drawn, hunt.longest);
-        let verdicts = verdicts.map_err(|error| causes::with_causes(&error));
-        let seconds = started.elapsed().as_secs_f64();
-        let outcome = Outcome { family: family.name, index, drawn, verdicts, seconds };
-        look(&outcome);
-        outcomes.push(outcome);
+        let truths = (family.truths)(&scene).unwrap_or_default();
+        Some(Drawn { family, scene, method, is_hostile, truths })
     }
-    outcomes
 }
 
-/// What is known of the answers of a scene.
-///
-/// # Errors
-/// Those of the scene.
-pub fn known(scene: &Value) -> Result<Vec<Truth>, RunError> {
-    let (scene, system) = FpkScene::read("scene.json", &scene.to_string())?;
-    Ok(ALL.iter().find_map(|family| (family.truths)(&scene, &system)).unwrap_or_default())
+/// A scene with what is known of it; none if no family knows any of its answers.
+#[must_use]
+pub fn known(scene: Value) -> Option<Drawn> {
+    let (family, truths) =
+        ALL.iter().find_map(|family| Some((family, (family.truths)(&scene)?)))?;
+    Some(Drawn { family, scene, method: "", is_hostile: false, truths })
 }
 
 /// Runs a scene and compares its numbers with what is known.
@@ -121,19 +143,26 @@ pub fn known(scene: &Value) -> Result<Vec<Truth>, RunError> {
 /// Those of the run.
 pub fn judged(drawn: &Drawn, longest: Duration) -> Result<Vec<Verdict>, RunError> {
     // On one thread: most scenes are small, and threads that wait for each other cost more than they compute.
-    let solved = || solved(drawn, longest);
+    let judge = || (drawn.family.judge)(&drawn.scene, &drawn.truths, longest);
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let answers = alone.map_or_else(|_| solved(), |pool| pool.install(solved))?;
-    Ok(compared(drawn, &answers))
+    alone.map_or_else(|_| judge(), |pool| pool.install(judge))
 }
 
-fn solved(drawn: &Drawn, longest: Duration) -> Result<Answers, RunError> {
-    let file = SceneFile::from_text("scene.json", drawn.scene.to_string())?;
-    kind_of(scenes::ALL, &file)?.solve(&file, Some(longest), &Progress::silent())
+/// Runs a scene as the command does, and finds the numbers whose truth is known.
+///
+/// # Errors
+/// Those of the run.
+pub(crate) fn of_scene(
+    scene: &Value,
+    truths: &[Truth],
+    longest: Duration,
+) -> Result<Vec<Verdict>, RunError> {
+    let file = SceneFile::from_text("scene.json", scene.to_string())?;
+    let answers = kind_of(scenes::ALL, &file)?.solve(&file, Some(longest), &Progress::silent())?;
+    Ok(compared(truths, &answers))
 }
 
-/// The numbers whose truth is known.
-fn compared(drawn: &Drawn, answers: &Answers) -> Vec<Verdict> {
+fn compared(truths: &[Truth], answers: &Answers) -> Vec<Verdict> {
     let of = |truth: &Truth| {
         let answer = answers.get(&truth.id)?;
         let values = answer.earlier.iter().chain([&answer.last]);
@@ -145,5 +174,5 @@ fn compared(drawn: &Drawn, answers: &Answers) -> Vec<Verdict> {
         let is_warned = value.remark.is_some();
         Some(Verdict { truth: truth.clone(), number: value.number, is_warned })
     };
-    drawn.truths.iter().filter_map(of).collect()
+    truths.iter().filter_map(of).collect()
 }

@@ -22,6 +22,8 @@ use serde_json::Value;
 /// A scene with its true answers.
 #[derive(Debug, Clone)]
 pub struct Drawn {
+    /// Its family.
+    pub family: &'static Family,
     /// The scene.
     pub scene: Value,
     /// Name of its method.

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use clap::Parser;
 use serde_json::json;
-use stated_errors::{ALL, Drawn, Hunt, Outcome, Tally, Verdict, hunt, judged, known};
+use stated_errors::{Hunt, Outcome, Tally, Verdict, hunt, judged, known};
 
 /// Draws scenes with known answers at random, runs them, and says how often the truth lies within the stated errors
 #[derive(Debug, Parser)]
@@ -61,13 +61,14 @@ fn execute(cli: Cli, output: &mut dyn Write) -> io::Result<ExitCode> {
         families: cli.family,
         methods: cli.method,
         longest: Duration::from_secs_f64(cli.longest),
+        threads: std::thread::available_parallelism().map_or(1, usize::from),
     };
     if let Some(path) = cli.scene {
         return replayed(&path, asked.longest, output);
     }
     let (mut failure, each, seed) = (None, cli.each, cli.seed);
-    let outcomes = hunt(ALL, &asked, &mut |outcome| {
-        let done = written(outcome, seed, &out, each.then_some(&mut *output));
+    let outcomes = hunt(&asked, &mut |outcome| {
+        let done = written(outcome, seed, &out, each.then_some(&mut io::stdout()));
         failure = failure.take().or(done.err());
     });
     failure.map_or(Ok(()), Err)?;
@@ -80,8 +81,7 @@ fn execute(cli: Cli, output: &mut dyn Write) -> io::Result<ExitCode> {
 /// Runs a scene and prints its numbers beside the truth.
 fn replayed(path: &Path, longest: Duration, output: &mut dyn Write) -> io::Result<ExitCode> {
     let scene: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path)?)?;
-    let truths = known(&scene).map_err(io::Error::other)?;
-    let drawn = Drawn { scene, method: "", is_hostile: false, truths };
+    let drawn = known(scene).ok_or_else(|| io::Error::other("no answer of the scene is known"))?;
     for verdict in judged(&drawn, longest).map_err(io::Error::other)? {
         writeln!(output, "{}", words(&verdict))?;
     }
@@ -104,7 +104,7 @@ fn written(
     out: &Path,
     lines: Option<&mut dyn Write>,
 ) -> io::Result<()> {
-    let Outcome { family, index, drawn, verdicts, seconds } = outcome;
+    let Outcome { index, drawn, verdicts, seconds } = outcome;
     let worst = verdicts.as_ref().ok().and_then(|all| {
         let off = |v: &Verdict| v.off().unwrap_or_default();
         all.iter().max_by(|a, b| off(a).total_cmp(&off(b)))
@@ -118,8 +118,8 @@ fn written(
     if let Some(lines) = lines {
         writeln!(
             lines,
-            "{seed}-{index} {seconds:.1} s {hostile}{family} {}: {line}",
-            drawn.method
+            "{seed}-{index} {seconds:.1} s {hostile}{} {}: {line}",
+            drawn.family.name, drawn.method
         )?;
         lines.flush()?;
     }

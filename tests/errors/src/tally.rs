@@ -38,7 +38,7 @@ impl Tally {
         let mut all = Self::default();
         for outcome in outcomes {
             let setting = if outcome.drawn.is_hostile { "hostile" } else { "sensible" };
-            let name = format!("{setting} {} {}", outcome.drawn.method, outcome.family);
+            let name = format!("{setting} {} {}", outcome.drawn.method, outcome.drawn.family.name);
             for name in [name, format!("{setting} all")] {
                 all.0.entry(name).or_default().add(outcome);
             }

@@ -1,8 +1,20 @@
 //! Methods of a density scene, with sensible or hostile settings.
 
+use fpk_scenes::scene::FpkScene;
+use fpk_scenes::system::System;
 use serde_json::{Value, json};
 
+use crate::Truth;
 use crate::draw::{Draw, rounded};
+
+/// What is known of the answers of a scene of this solver; none of a scene of another one.
+pub(super) fn of_density(
+    scene: &Value,
+    truths: impl Fn(&FpkScene, &System) -> Option<Vec<Truth>>,
+) -> Option<Vec<Truth>> {
+    let (scene, system) = FpkScene::read("scene.json", &scene.to_string()).ok()?;
+    truths(&scene, &system)
+}
 
 /// What a method has to know of a system.
 #[derive(Debug, Clone, Copy)]

@@ -7,8 +7,9 @@ use fpk_scenes::system::{System, Visitor};
 use fpk_scenes::system_scene::SystemScene;
 use serde_json::{Value, json};
 
-use super::density_methods::{Class, Solvable, method};
+use super::density_methods::{Class, Solvable, method, of_density};
 use crate::draw::{Draw, rounded};
+use crate::hunt::of_scene;
 use crate::normal::{Linear, Normal, laws};
 use crate::{Family, Truth};
 
@@ -17,7 +18,8 @@ pub(super) const FAMILY: Family = Family {
     known_by: "moment equations, solved to 1e-9",
     weight: 4.0,
     draw,
-    truths,
+    truths: |scene| of_density(scene, truths),
+    judge: of_scene,
 };
 
 /// Steps of the moment equations per shortest period, and their relative error.

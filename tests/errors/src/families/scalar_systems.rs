@@ -6,9 +6,10 @@ use fpk_scenes::system::System;
 use fpk_scenes::system_scene::SystemScene;
 use serde_json::{Value, json};
 
-use super::density_methods::{Class, Solvable, method};
+use super::density_methods::{Class, Solvable, method, of_density};
 use super::linear_systems::{moment_id, times};
 use crate::draw::{Draw, rounded};
+use crate::hunt::of_scene;
 use crate::normal::Normal;
 use crate::{Family, Truth};
 
@@ -18,7 +19,8 @@ pub(super) const WELLS: Family = Family {
     known_by: "implicit finite volumes with exponential fluxes at two resolutions",
     weight: 1.0,
     draw: wells,
-    truths: truths_of_wells,
+    truths: |scene| of_density(scene, truths_of_wells),
+    judge: of_scene,
 };
 
 /// Square-root processes and geometric Brownian motion.
@@ -27,7 +29,8 @@ pub(super) const CLOSED: Family = Family {
     known_by: "moment equations that close, solved to 1e-9",
     weight: 1.0,
     draw: closed,
-    truths: truths_of_closed,
+    truths: |scene| of_density(scene, truths_of_closed),
+    judge: of_scene,
 };
 
 fn wells(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {

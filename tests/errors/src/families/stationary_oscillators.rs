@@ -6,9 +6,10 @@ use fpk_scenes::system_scene::SystemScene;
 use serde_json::{Value, json};
 use vibrating_systems::Window;
 
-use super::density_methods::{Class, Solvable, method};
+use super::density_methods::{Class, Solvable, method, of_density};
 use super::linear_systems::{built, moment_id};
 use crate::draw::{Draw, rounded};
+use crate::hunt::of_scene;
 use crate::{Family, Truth};
 
 pub(super) const FAMILY: Family = Family {
@@ -16,7 +17,8 @@ pub(super) const FAMILY: Family = Family {
     known_by: "closed stationary density, integrated to 1e-9; what is left of the start is below 1e-4",
     weight: 1.0,
     draw,
-    truths,
+    truths: |scene| of_density(scene, truths),
+    judge: of_scene,
 };
 
 /// Relative distance from the stationary distribution at the end of a run.

@@ -43,7 +43,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    match execute(Cli::parse(), &mut io::stdout().lock()) {
+    match execute(Cli::parse(), &mut io::stdout()) {
         Ok(code) => code,
         Err(error) => {
             let _ = writeln!(io::stderr(), "error: {error}");

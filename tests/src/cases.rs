@@ -8,6 +8,7 @@ mod estimators;
 mod fpk;
 mod peridyn;
 mod prelude;
+mod random_scenes;
 mod ranks;
 mod resume;
 mod scene_result;
@@ -105,6 +106,7 @@ pub const ALL: &[Case] = &[
     sde::explosion::CASE,
     sde::oscillator_bias::CASE,
     sde::oscillator_ensemble::CASE,
+    random_scenes::CASE,
     resume::CASE,
     ranks::CASE,
     advice::CASE,

@@ -85,6 +85,9 @@ pub struct Row {
     pub total_mass: f64,
     /// Probability that no particle carries, at most.
     pub mass_outside: f64,
+    /// Whether the cloud was remeshed.
+    #[serde(default)]
+    pub is_remeshed: bool,
     /// Entropy (nats).
     pub entropy: f64,
     /// Integral of the density over the cells, if requested.
@@ -377,6 +380,7 @@ fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
         exceedances,
         total_mass: simulation.total_mass(),
         mass_outside: simulation.mass_outside(),
+        is_remeshed: simulation.n_remaps() > 0,
         entropy: simulation.entropy()?,
         cell_mass: cells.as_ref().map(CellIntegral::total_mass),
         cpu_seconds,

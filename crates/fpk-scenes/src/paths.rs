@@ -60,7 +60,7 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         place: (u64, u64),
     ) -> Result<ShardRecord, PathsError>;
 
-    /// What half the step changes, over pairs of paths.
+    /// What half the step changes, over pairs of paths with noise of this amplitude relative to that of the system.
     ///
     /// # Errors
     /// [`PathsError`].
@@ -68,6 +68,7 @@ pub trait Paths<const D: usize, const M: usize>: Sde<D, M> + Clone + Send {
         &self,
         ensemble: &PathEnsemble<'_, D>,
         n_pairs: u64,
+        amplitude: f64,
     ) -> Result<Vec<Vec<StepDifference>>, PathsError>;
 
     /// Paths to a time in a given number of steps, as functions of standard normals.
@@ -128,9 +129,9 @@ impl<const D: usize> PathEnsemble<'_, D> {
         &self,
         system: &S,
         integrator: &I,
-        n_pairs: u64,
+        (n_pairs, amplitude): (u64, f64),
     ) -> Result<Vec<Vec<StepDifference>>, PathsError> {
-        Ok(self.study(system, integrator).step_differences::<M>(n_pairs)?)
+        Ok(self.study(system, integrator).step_differences::<M>(n_pairs, amplitude)?)
     }
 
     fn study<'s, S: ?Sized, I>(
@@ -216,9 +217,10 @@ macro_rules! paths {
                 &self,
                 ensemble: &PathEnsemble<'_, $d>,
                 n_pairs: u64,
+                amplitude: f64,
             ) -> Result<Vec<Vec<StepDifference>>, PathsError> {
                 let system: &integrated!($how, $system, $noise, $d, $m) = self;
-                ensemble.step_differences::<_, _, $m>(system, &$integrator, n_pairs)
+                ensemble.step_differences::<_, _, $m>(system, &$integrator, (n_pairs, amplitude))
             }
 
             fn tails<'a>(

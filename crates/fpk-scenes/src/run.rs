@@ -314,8 +314,8 @@ impl Solved<'_> {
         let asked = scene.requested::<D>(named, no_cells.is_none())?;
         let interval = scene.times.every / period;
         let (asked, start) = (&asked, &start);
-        let solve = |part: &str, method: &MethodScene| {
-            let whole = method.density_config::<D>(period, 1.0);
+        let solve = |part: &str, attempt: &Attempt| {
+            let whole = attempt.method.density_config::<D>(period, attempt.fineness);
             let whole = whole.ok_or_else(|| RunError::solver(OtherDimension { states: D }))?;
             let whole = resolutions::with_steps_of_interval(whole, interval);
             run.progress.stage(part);
@@ -325,26 +325,30 @@ impl Solved<'_> {
             let density = Density { start: || start(&whole), asked, past: kept.reached };
             let fine = self.density(part, density, Some(&mut pictures))?;
             let fine = fine.map_err(RunError::solver)?;
-            let fine = if method.follows_flow_map() { refused_if_violated(fine) } else { fine };
+            let is_of_flow_map = attempt.method.follows_flow_map();
+            let fine = if is_of_flow_map { refused_if_violated(fine) } else { fine };
             Ok::<_, RunError>((fine, whole, pictures))
         };
-        let (mut method, mut remeshed) = (scene.method.clone(), None);
-        let (mut fine, mut whole, mut pictures) = solve("density", &method)?;
-        if let Some((error, with_remeshing)) = fine.stopped.as_ref().zip(method.remeshed())
-            && is_folded(error)
-        {
-            let (other, of_other, pictures_of_other) =
-                solve("density, remeshed where it folds", &with_remeshing)?;
-            if other.rows.len() > fine.rows.len() {
-                remeshed = Some(Unknown {
-                    what: "the density on one lattice".to_owned(),
-                    reason: format!("{error}; what is shown is the run with `fresh_lattices`"),
+        let mut attempt = Attempt { method: scene.method.clone(), fineness: 1.0 };
+        let (mut fine, mut whole, mut pictures) = solve("density", &attempt)?;
+        let (mut repeated, mut next) = (None, attempt.clone());
+        while let Some(reason) = fine.stopped.as_ref().map(ToString::to_string) {
+            let Some(other) = fine.stopped.as_ref().and_then(|error| next.after::<D>(error)) else {
+                break;
+            };
+            let (run_of_other, of_other, pictures_of_other) = solve(&other.part(), &other)?;
+            if run_of_other.rows.len() > fine.rows.len() || run_of_other.stopped.is_none() {
+                repeated = Some(Unknown {
+                    what: "the density on the lattice of the scene".to_owned(),
+                    reason: format!("{reason}; what is shown is the run {}", other.words()),
                 });
-                (fine, whole, pictures, method) =
-                    (other, of_other, pictures_of_other, with_remeshing);
+                (fine, whole, pictures) = (run_of_other, of_other, pictures_of_other);
+                attempt = other.clone();
             }
+            next = other;
         }
-        let config = |part: f64| method.density_config::<D>(period, part);
+        let Attempt { method, fineness } = attempt;
+        let config = |part: f64| method.density_config::<D>(period, fineness * part);
         run.progress.stage("density at coarser resolutions, for its error");
         let both = Resolutions::new(fine, (config, interval), |name, config| {
             let SavedDensity { reached, .. } = self.checkpoint.part(name)?.unwrap_or_default();
@@ -355,10 +359,10 @@ impl Solved<'_> {
             |powers: &[u32; D]| whole.lattice.moment_outside(&deviations, powers.iter().sum());
         let beyond_reach: Vec<f64> = asked.powers.iter().map(outside).collect();
         let quantities = series(&both, scene, named, &beyond_reach);
-        let lost_tail = if remeshed.is_none() { lost_tail(scene) } else { None };
+        let lost_tail = if repeated.is_none() { lost_tail(scene) } else { None };
         let parts = [
             no_cells,
-            remeshed,
+            repeated,
             assumed(scene, named),
             lost_tail,
             both.unknown(),
@@ -382,11 +386,53 @@ impl Solved<'_> {
     }
 }
 
-/// Whether a run on one lattice ended because its flow map is folded or torn.
-const fn is_folded(error: &fpk_sph::Error) -> bool {
-    use fpk_sph::Error;
-    matches!(error, Error::MomentsViolated { .. } | Error::TooMuchUnresolved { .. })
+/// A method of moving particles on a lattice finer than that of the scene.
+#[derive(Debug, Clone, PartialEq)]
+struct Attempt {
+    method: MethodScene,
+    /// Particles along a length, relative to the scene.
+    fineness: f64,
 }
+
+impl Attempt {
+    /// What to try after an error: remeshing where the flow map folds, then twice as many particles in all where the lattice does
+    /// not resolve the density. None from three states on, where a run would cost many times what the scene asks for.
+    fn after<const D: usize>(&self, error: &fpk_sph::Error) -> Option<Self> {
+        use fpk_sph::Error;
+        let is_folded =
+            matches!(error, Error::MomentsViolated { .. } | Error::TooMuchUnresolved { .. });
+        if is_folded && let Some(method) = self.method.remeshed() {
+            return Some(Self { method, ..*self });
+        }
+        let is_coarse = is_folded
+            || matches!(
+                error,
+                Error::RemappingChangesMass { .. }
+                    | Error::StepCollapsed { .. }
+                    | Error::NoLatticeCell { .. }
+            );
+        let most = *MOST_FINENESS.get(D - 1)?;
+        let fineness = 2.0_f64.powf(1.0 / D as f64) * self.fineness;
+        let is_tried = self.method.follows_flow_map() && is_coarse && fineness < 1.01 * most;
+        is_tried.then(|| Self { fineness, ..self.clone() })
+    }
+
+    fn words(&self) -> String {
+        let finer = if self.fineness > 1.0 {
+            format!(" on a lattice with {:.2} times the particles along a length", self.fineness)
+        } else {
+            String::new()
+        };
+        format!("with `fresh_lattices`{finer}")
+    }
+
+    fn part(&self) -> String {
+        format!("density {}", self.words())
+    }
+}
+
+/// Particles along a length of the finest lattice that is tried, relative to the scene, in one and in two states.
+const MOST_FINENESS: [f64; 2] = [8.0, 2.0];
 
 /// Largest relative error of standard deviations, by the moment equations, with which a run goes on: it is an estimate of first order.
 const MOST_VIOLATION: f64 = 0.1;

@@ -74,6 +74,9 @@ impl fmt::Display for Estimate {
     }
 }
 
+/// Part of the sum of squared deviations that one value may hold before the error of the mean grows.
+const SHARE_OF_ONE: f64 = 0.1;
+
 /// Mean and variance of a sample, accumulated by values or by blocks.
 ///
 /// Merging blocks in a fixed order is bitwise reproducible; see [`reduce_blocks`](crate::reduce_blocks).
@@ -87,6 +90,9 @@ pub struct Accumulator {
     mean: f64,
     /// Sum of the squared deviations from the mean.
     squares: f64,
+    /// The largest term of that sum, as values came.
+    #[cfg_attr(feature = "serde", serde(default))]
+    largest: f64,
 }
 
 impl Accumulator {
@@ -96,7 +102,9 @@ impl Accumulator {
         self.count += 1;
         let distance = value - self.mean;
         self.mean += distance / self.count as f64;
-        self.squares += distance * (value - self.mean);
+        let square = distance * (value - self.mean);
+        self.squares += square;
+        self.largest = self.largest.max(square);
     }
 
     /// Adds a later sample.
@@ -110,6 +118,7 @@ impl Accumulator {
         self.count += later.count;
         self.mean += distance * (n_b / n);
         self.squares += later.squares + distance * distance * (n_a * (n_b / n));
+        self.largest = self.largest.max(later.largest);
     }
 
     /// Number of values.
@@ -142,10 +151,20 @@ impl Accumulator {
 
     /// Mean of the sampled distribution, with its standard error.
     ///
+    /// Where one value holds more than a tenth of the sum of squared deviations, rarer and larger ones decide on the mean, and the
+    /// sample has none of them: the error then grows, and is unknown from `1/4 + 6/n` of the sum on.
+    ///
     /// # Errors
     /// Those of [`variance`](Self::variance).
     pub fn estimate(&self) -> Result<Estimate, Error> {
-        let standard_error = (self.variance()? / self.count as f64).sqrt();
-        Ok(Estimate { value: self.mean, uncertainty: Uncertainty::StandardError(standard_error) })
+        let (variance, n) = (self.variance()?, self.count as f64);
+        let share = if self.squares > 0.0 { self.largest / self.squares } else { 0.0 };
+        let most = 0.25 + 6.0 / n;
+        let part = ((share - SHARE_OF_ONE) / (most - SHARE_OF_ONE)).clamp(0.0, 1.0);
+        let error = (variance / n).sqrt() / (1.0 - part * part);
+        let is_known = error.is_finite();
+        let uncertainty =
+            if is_known { Uncertainty::StandardError(error) } else { Uncertainty::Unknown };
+        Ok(Estimate { value: self.mean, uncertainty })
     }
 }

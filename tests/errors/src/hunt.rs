@@ -57,12 +57,22 @@ impl Verdict {
     /// Distance from the truth in stated errors, without the error of the truth; none where no error is stated.
     #[must_use]
     pub fn off(&self) -> Option<f64> {
-        let Number { value, error, .. } = self.number;
         let away = self.away();
-        error.map(|error| {
-            // Roundoff of a value is nobody's error.
-            if away <= 1e-13 * value.abs() { 0.0 } else { away / error.max(f64::MIN_POSITIVE) }
+        self.number.error.map(|error| {
+            if self.is_of_roundoff() { 0.0 } else { away / error.max(f64::MIN_POSITIVE) }
         })
+    }
+
+    /// Whether the number is off by roundoff alone, which is no one's error.
+    #[must_use]
+    pub fn is_of_roundoff(&self) -> bool {
+        self.away() <= 1e-13 * self.number.value.abs()
+    }
+
+    /// Whether it is off by more than ten stated errors without a warning.
+    #[must_use]
+    pub fn is_silent(&self) -> bool {
+        self.off().is_some_and(|off| off > 10.0) && !self.is_warned
     }
 
     /// Distance from the truth, without the error of the truth.

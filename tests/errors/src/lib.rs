@@ -9,13 +9,15 @@ mod families;
 mod family;
 mod hunt;
 mod normal;
+mod page;
 mod tally;
 
 pub use draw::Draw;
 pub use families::ALL;
 pub use family::Family;
 pub use hunt::{Hunt, Outcome, Verdict, hunt, judged, known};
-pub use tally::Tally;
+pub use page::page;
+pub use tally::{Row, Tally};
 
 use serde_json::Value;
 

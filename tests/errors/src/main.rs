@@ -6,8 +6,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Parser;
+use scenes::causes::with_causes;
 use serde_json::json;
-use stated_errors::{Hunt, Outcome, Tally, Verdict, hunt, judged, known};
+use stated_errors::{Hunt, Outcome, Tally, Verdict, hunt, judged, known, page};
 
 /// Draws scenes with known answers at random, runs them, and says how often the truth lies within the stated errors
 #[derive(Debug, Parser)]
@@ -37,6 +38,9 @@ struct Cli {
     /// Print a line for each scene
     #[arg(long)]
     each: bool,
+    /// Write what was found to docs/errors.md
+    #[arg(long)]
+    record: bool,
     /// Where scenes with a false error go [default: target/errors]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -74,7 +78,10 @@ fn execute(cli: Cli, output: &mut dyn Write) -> io::Result<ExitCode> {
     failure.map_or(Ok(()), Err)?;
     let tally = Tally::of(&outcomes);
     writeln!(output, "{tally}")?;
-    let is_sound = tally.0.values().all(|row| row.silent == 0);
+    if cli.record {
+        std::fs::write("docs/errors.md", page(&asked, &outcomes, &tally))?;
+    }
+    let is_sound = tally.all.values().all(|row| row.silent == 0);
     Ok(if is_sound { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -82,7 +89,8 @@ fn execute(cli: Cli, output: &mut dyn Write) -> io::Result<ExitCode> {
 fn replayed(path: &Path, longest: Duration, output: &mut dyn Write) -> io::Result<ExitCode> {
     let scene: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path)?)?;
     let drawn = known(scene).ok_or_else(|| io::Error::other("no answer of the scene is known"))?;
-    for verdict in judged(&drawn, longest).map_err(io::Error::other)? {
+    let judged = judged(&drawn, longest);
+    for verdict in judged.map_err(|error| io::Error::other(with_causes(&error)))? {
         writeln!(output, "{}", words(&verdict))?;
     }
     Ok(ExitCode::SUCCESS)

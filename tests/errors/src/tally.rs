@@ -8,13 +8,15 @@ use crate::{Outcome, Verdict};
 /// Multiples of the stated error within which the truth is counted.
 const WITHIN: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
 
-/// Counts of one method.
+/// Counts of some numbers.
 #[derive(Debug, Clone, Default)]
 pub struct Row {
     /// Scenes.
     pub runs: u64,
-    /// Scenes that ended in an error.
+    /// Scenes that ended in an error other than the limit on the time.
     pub refused: u64,
+    /// Scenes that would have taken longer than the hunt allows.
+    pub too_long: u64,
     /// Numbers with a known truth.
     pub numbers: u64,
     /// Of these, those without a stated error.
@@ -23,85 +25,123 @@ pub struct Row {
     pub within: [u64; 4],
     /// Numbers beyond ten stated errors that have no warning.
     pub silent: u64,
-    /// Stated over true error of all numbers.
-    pub effectivities: Vec<f64>,
+    /// Numbers whose stated error is between half and five times the true one, or both of which are roundoff.
+    pub fair: u64,
 }
 
-/// Counts by family, method, kind of setting and kind of quantity.
+/// Counts at sensible and at hostile settings: of all, by method and family, and by kind of quantity.
 #[derive(Debug, Clone, Default)]
-pub struct Tally(pub BTreeMap<String, Row>);
+pub struct Tally {
+    /// Of all scenes.
+    pub all: BTreeMap<String, Row>,
+    /// By family and method.
+    pub by_method: BTreeMap<String, Row>,
+    /// By kind of quantity: the first word of its id.
+    pub by_quantity: BTreeMap<String, Row>,
+}
 
 impl Tally {
     /// Counts outcomes.
     #[must_use]
     pub fn of(outcomes: &[Outcome]) -> Self {
-        let mut all = Self::default();
+        let mut tally = Self::default();
         for outcome in outcomes {
             let setting = if outcome.drawn.is_hostile { "hostile" } else { "sensible" };
-            let name = format!("{setting} {} {}", outcome.drawn.method, outcome.drawn.family.name);
-            for name in [name, format!("{setting} all")] {
-                all.0.entry(name).or_default().add(outcome);
+            let (family, method) = (outcome.drawn.family.name, outcome.drawn.method);
+            let verdicts = outcome.verdicts.as_deref().unwrap_or_default();
+            for row in [
+                tally.all.entry(setting.to_owned()).or_default(),
+                tally.by_method.entry(format!("{family}, {method}, {setting}")).or_default(),
+            ] {
+                row.count(outcome);
+                verdicts.iter().for_each(|verdict| row.add(verdict));
+            }
+            for verdict in verdicts {
+                let kind = verdict.truth.id.split('/').next().unwrap_or_default();
+                tally.by_quantity.entry(format!("{kind}, {setting}")).or_default().add(verdict);
             }
         }
-        all
+        tally
     }
 }
 
 impl Row {
-    fn add(&mut self, outcome: &Outcome) {
+    fn count(&mut self, outcome: &Outcome) {
         self.runs += 1;
-        let Ok(verdicts) = &outcome.verdicts else {
-            self.refused += 1;
+        if let Err(error) = &outcome.verdicts {
+            // `Pace` says so.
+            let is_too_long = error.contains("s are allowed");
+            *(if is_too_long { &mut self.too_long } else { &mut self.refused }) += 1;
+        }
+    }
+
+    fn add(&mut self, verdict: &Verdict) {
+        self.numbers += 1;
+        let Some(off) = verdict.off() else {
+            self.unknown += 1;
             return;
         };
-        for verdict in verdicts {
-            self.numbers += 1;
-            let Some(off) = verdict.off() else {
-                self.unknown += 1;
-                continue;
-            };
-            for (count, limit) in self.within.iter_mut().zip(WITHIN) {
-                *count += u64::from(off <= limit);
-            }
-            self.silent += u64::from(is_silent(verdict));
-            self.effectivities.push(1.0 / off);
+        for (count, limit) in self.within.iter_mut().zip(WITHIN) {
+            *count += u64::from(off <= limit);
         }
+        self.silent += u64::from(verdict.is_silent());
+        self.fair += u64::from((0.2..=2.0).contains(&off) || verdict.is_of_roundoff());
+    }
+
+    /// Part of the numbers with a stated error, of a count of them.
+    fn part(&self, count: u64) -> Option<f64> {
+        let stated = self.numbers - self.unknown;
+        (stated > 0).then(|| count as f64 / stated as f64)
+    }
+
+    /// Part of the numbers with a stated error whose truth lies within two of them.
+    #[must_use]
+    pub fn within_two(&self) -> f64 {
+        self.part(self.within[1]).unwrap_or(1.0)
+    }
+
+    /// Part of the scenes that ended in an error.
+    #[must_use]
+    pub fn refused_part(&self) -> f64 {
+        self.refused as f64 / (self.runs - self.too_long).max(1) as f64
     }
 }
 
-/// Whether a number is off by more than ten stated errors without a warning.
-pub(crate) fn is_silent(verdict: &Verdict) -> bool {
-    verdict.off().is_some_and(|off| off > 10.0) && !verdict.is_warned
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let &Self { runs, refused, too_long, numbers, unknown, silent, fair, .. } = self;
+        if runs > 0 {
+            write!(f, "{runs} | {refused} | {too_long}")?;
+        } else {
+            write!(f, " | | ")?;
+        }
+        write!(f, " | {numbers} | {unknown}")?;
+        for count in self.within.into_iter().chain([fair]) {
+            match self.part(count) {
+                Some(part) => write!(f, " | {:.1} %", 100.0 * part)?,
+                None => write!(f, " | ")?,
+            }
+        }
+        write!(f, " | {silent}")
+    }
 }
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "| scenes | runs | refused | numbers | unknown | <=1 | <=2 | <=5 | <=10 | silent | stated/true in [.5, 5] |"
-        )?;
-        writeln!(f, "|---|---|---|---|---|---|---|---|---|---|---|")?;
-        for (name, row) in &self.0 {
-            let stated = row.numbers - row.unknown;
-            let part = |n: u64| {
-                if stated == 0 {
-                    "-".to_owned()
-                } else {
-                    format!("{:.1} %", 100.0 * n as f64 / stated as f64)
-                }
-            };
-            let fair = row.effectivities.iter().filter(|e| (0.5..=5.0).contains(*e)).count();
-            let [a, b, c, d] = row.within.map(part);
+        for (of, rows) in [
+            ("settings", &self.all),
+            ("family, method, settings", &self.by_method),
+            ("quantity, settings", &self.by_quantity),
+        ] {
             writeln!(
                 f,
-                "| {name} | {} | {} | {} | {} | {a} | {b} | {c} | {d} | {} | {} |",
-                row.runs,
-                row.refused,
-                row.numbers,
-                row.unknown,
-                row.silent,
-                part(fair as u64)
+                "| {of} | runs | refused | too long | numbers | unknown | within 1 | 2 | 5 | 10 | stated/true in [0.5, 5] | silent beyond 10 |"
             )?;
+            writeln!(f, "|---|---|---|---|---|---|---|---|---|---|---|---|")?;
+            for (name, row) in rows {
+                writeln!(f, "| {name} | {row} |")?;
+            }
+            writeln!(f)?;
         }
         Ok(())
     }

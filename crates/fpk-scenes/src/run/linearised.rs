@@ -21,9 +21,10 @@ pub(super) struct Linearised<'a> {
     pub(super) step: f64,
 }
 
-/// Orders of Runge-Kutta 4, and the ratio of the steps of the coarser runs.
+/// Orders of Runge-Kutta 4, and the ratio of the steps of the coarser runs: steps that are halved next to a state that is known are never
+/// those of another run.
 const ORDERS: Orders = Orders { of_method: 4.0, largest: 4.0 };
-const RATIO: f64 = 2.0;
+const RATIO: f64 = 1.5;
 /// Steps of an interval between observations with which there are two coarser runs.
 const FEWEST_STEPS: f64 = 4.0;
 

@@ -282,6 +282,7 @@ mod tests {
             exceedances: Vec::new(),
             total_mass: 1.0,
             mass_outside: 0.0,
+            is_remeshed: false,
             entropy: 0.0,
             cell_mass: None,
             cpu_seconds: 0.0,

@@ -31,6 +31,9 @@ const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
 /// It takes a quarter of a second for the damper, long compared with the step tables made for each block.
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
 
+/// Why the scatter of a moment is unknown: see `Accumulator::estimate`.
+const ONE_PATH_DECIDES: &str = "one path holds much of the scatter, and rarer ones decide on the mean: take more paths, or a lower moment";
+
 /// Measures the bias of the steps; all other code is compiled once for each number of states.
 type BiasOf<'a, const D: usize> = &'a dyn Fn(&GaussianMixture<D>, &Requested<D>) -> StepBias;
 
@@ -38,7 +41,9 @@ impl Visitor for Sampled<'_> {
     type Output = Result<Computed<Content>, RunError>;
 
     fn visit<S: Paths<D, M>, const D: usize, const M: usize>(self, system: &S) -> Self::Output {
-        let bias = |law: &_, asked: &_| StepBias::measured(system, law, &self.sampling, asked);
+        let bias = |law: &_, asked: &_| {
+            StepBias::measured((system, self.system.is_linear()), law, &self.sampling, asked)
+        };
         self.sampled::<D>(&|paths, place| system.shard(paths, place), &bias)
     }
 }
@@ -92,6 +97,9 @@ impl Sampled<'_> {
         let moment = |k: usize| {
             let mut values = values(&|row| &row.moments[k]);
             for observed in &mut values {
+                if observed.error.is_none() {
+                    observed.note = Some(ONE_PATH_DECIDES.to_owned());
+                }
                 bias.add_to_moment(k, observed);
             }
             values
@@ -99,7 +107,7 @@ impl Sampled<'_> {
         let exceedance = |k: usize| {
             let mut values = values(&|row| &row.exceedances[k]);
             for observed in &mut values {
-                bias.add_to_probability(observed);
+                bias.add_to_probability(asked.thresholds[k], observed);
             }
             values
         };

@@ -11,7 +11,7 @@ use sde_integrators::GaussianMixture;
 use super::linearised::order;
 use super::observed::Observed;
 use super::probabilities::{Probabilities, UNGUIDED};
-use super::record::{Content, Probability};
+use super::record::{Content, Probability, Quantity, Series};
 use super::step_bias::StepBias;
 use crate::density::Requested;
 use crate::monte_carlo::Sampling;
@@ -65,7 +65,7 @@ impl Visitor for TailsOf<'_> {
         let law = self.scene.initial_law::<D>(self.system)?;
         let asked = self.scene.requested::<D>(self.system, false)?;
         let sampling = Sampling { paths: PATHS_OF_BIAS, step: self.step, seed: self.seed };
-        let bias = StepBias::measured(system, &law, &sampling, &asked);
+        let bias = StepBias::measured((system, self.system.is_linear()), &law, &sampling, &asked);
         let found = match self.how {
             Estimator::Guided { samples } => {
                 let order = order(self.system.kinks());
@@ -81,8 +81,10 @@ impl Visitor for TailsOf<'_> {
             }),
         }?;
         Ok(found.map(|mut content| {
-            let all = content.quantities.iter_mut().flat_map(|series| &mut series.values);
-            all.for_each(|observed| bias.add_to_probability(observed));
+            for Series { of, values, .. } in &mut content.quantities {
+                let Quantity::Probability { threshold, .. } = *of else { continue };
+                values.iter_mut().for_each(|observed| bias.add_to_probability(threshold, observed));
+            }
             content.unknown.extend(bias.unknown());
             content
         }))

@@ -9,6 +9,7 @@ use crate::cloud::lattice::neighbours_on_lattice;
 use crate::error::Error;
 use crate::method::remapping::Remapping;
 use crate::parallel::fill;
+use crate::score::RIM;
 
 /// A lattice in whitened coordinates with the mass of each of its cells.
 #[derive(Debug)]
@@ -131,7 +132,22 @@ fn extend<const D: usize>(
     }
 }
 
-/// Takes away places with too few neighbours for a polynomial.
+/// Whether the edges of the cell of a place are defined along each axis, by its own neighbours or by those of a place beside it.
+fn has_edges<const D: usize>(places: &BTreeSet<[i32; D]>, index: &[i32; D]) -> bool {
+    let along = |index: &[i32; D], axis: usize| {
+        [-1, 1].iter().any(|step| {
+            let mut other = *index;
+            other[axis] += step;
+            places.contains(&other)
+        })
+    };
+    (0..D).all(|axis| {
+        let mut others = beside(index).filter(|other| places.contains(other));
+        along(index, axis) || others.any(|other| along(&other, axis))
+    })
+}
+
+/// Takes away places with too few neighbours for a polynomial, and those that lie apart along an axis.
 fn without_tips<const D: usize>(
     mut cells: BTreeMap<[i32; D], Cell>,
     reach: f64,
@@ -142,9 +158,51 @@ fn without_tips<const D: usize>(
         let fewest = FEWEST_NEIGHBOURS * (1 + list.max_count()) as f64;
         let before = cells.len();
         let mut rows = list.rows();
-        cells.retain(|_, _| rows.next().is_some_and(|row| (1 + row.len()) as f64 >= fewest));
+        let all: BTreeSet<[i32; D]> = cells.keys().copied().collect();
+        cells.retain(|index, _| {
+            rows.next().is_some_and(|row| (1 + row.len()) as f64 >= fewest)
+                && has_edges(&all, index)
+        });
         if cells.len() == before {
+            let is_joined = joined_to_the_inside(&list);
+            let mut all = is_joined.into_iter();
+            cells.retain(|_, _| all.next().unwrap_or(false));
             return Ok(cells);
         }
+    }
+}
+
+/// Whether each place is connected to one inside the lattice by neighbours: an island of the rim has no polynomial.
+fn joined_to_the_inside(list: &NeighbourList) -> Vec<bool> {
+    let fewest = RIM * (1 + list.max_count()) as f64;
+    let mut is_joined: Vec<bool> =
+        list.rows().map(|row| (1 + row.len()) as f64 >= fewest).collect();
+    let mut next: Vec<usize> = (0..is_joined.len()).filter(|&i| is_joined[i]).collect();
+    while let Some(i) = next.pop() {
+        for &j in list.of(i) {
+            if !std::mem::replace(&mut is_joined[j as usize], true) {
+                next.push(j as usize);
+            }
+        }
+    }
+    is_joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_apart_from_the_others_along_an_axis_is_taken_away() {
+        let row = (-9..=9).chain([11]).map(|k| ([k], Cell { mass: 0.1, beyond: false }));
+        let left = without_tips(row.collect(), 6.0).unwrap();
+        assert_eq!(left.keys().map(|k| k[0]).collect::<Vec<i32>>(), (-9..=9).collect::<Vec<i32>>());
+        let island = (-9..=9).chain(20..=23).map(|k| ([k], Cell { mass: 0.1, beyond: false }));
+        assert_eq!(without_tips(island.collect(), 6.0).unwrap().len(), 19);
+        let square = (-4..=4).flat_map(|i| (-4..=4).map(move |j| [i, j]));
+        let with_a_diagonal =
+            square.chain([[5, 5]]).map(|k| (k, Cell { mass: 0.1, beyond: false }));
+        let left = without_tips(with_a_diagonal.collect(), 1.5).unwrap();
+        assert_eq!(left.len(), 81);
     }
 }

@@ -24,7 +24,8 @@ where
     L: InitialDistribution<D> + ?Sized,
 {
     /// Means of `f(X_{h/2}) - f(X_h)` and of `f(X_{h/2})` at each output time for each observable `f`, over pairs of paths that share
-    /// initial state and Brownian motion. An event counts as 1 where it happens.
+    /// initial state and Brownian motion, of `amplitude` times the noise of the system: a larger one leads paths to places that few
+    /// reach. An event counts as 1 where it happens.
     ///
     /// With a method of weak order `p` the bias of the ensemble is `-2^p / (2^p - 1)` times the mean, to leading order. The pairs are
     /// the realisations after those of the ensemble.
@@ -37,6 +38,7 @@ where
     pub fn step_differences<const M: usize>(
         &self,
         n_pairs: u64,
+        amplitude: f64,
     ) -> Result<Vec<Vec<StepDifference>>, Error>
     where
         I: Integrator<S, D, M>,
@@ -47,7 +49,7 @@ where
         for realisation in self.config.n_paths..self.config.n_paths.saturating_add(n_pairs) {
             let x = self.law.sample(&noise, realisation);
             let walk = || Walk { x, memory: I::Memory::default(), n_steps: 0 };
-            let mut pair = PairOfPaths { realisation, whole: walk(), half: walk() };
+            let mut pair = PairOfPaths { realisation, amplitude, whole: walk(), half: walk() };
             let mut motion = noise.path::<M>(realisation);
             for (leg, sums) in legs.iter().zip(sums.chunks_exact_mut(self.observables.len())) {
                 self.pair_leg(leg, &mut motion, &mut pair)?;
@@ -84,11 +86,12 @@ where
     where
         I: Integrator<S, D, M>,
     {
-        let PairOfPaths { realisation, whole, half } = pair;
+        let PairOfPaths { realisation, amplitude, whole, half } = pair;
         let (dt, short) = (leg.dt, 0.5 * leg.dt);
         for step in 0..leg.n_steps {
             let t = leg.start + step as f64 * dt;
-            let [first, second] = [0, 1].map(|_| motion.next_increment(short));
+            let [first, second] =
+                [0, 1].map(|_| motion.next_increment(short).amplified(*amplitude));
             self.walk(*realisation, (t, short), &first, half)?;
             self.walk(*realisation, (t + short, short), &second, half)?;
             self.walk(*realisation, (t, dt), &Increment::from_halves(&first, &second), whole)?;
@@ -128,6 +131,7 @@ where
 /// Two paths of one realisation.
 struct PairOfPaths<Y, const D: usize> {
     realisation: u64,
+    amplitude: f64,
     whole: Walk<Y, D>,
     half: Walk<Y, D>,
 }

@@ -85,6 +85,16 @@ impl<const M: usize> Increment<M> {
         }
         whole
     }
+
+    /// The increment of noise whose amplitude is larger by a factor.
+    #[must_use]
+    pub fn amplified(&self, amplitude: f64) -> Self {
+        let Self { brownian, space_time_area } = self;
+        Self {
+            brownian: brownian.map(|w| amplitude * w),
+            space_time_area: space_time_area.map(|h| amplitude * h),
+        }
+    }
 }
 
 /// The noise of a study: all random numbers follow from its seed.

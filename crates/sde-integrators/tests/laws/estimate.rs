@@ -75,3 +75,27 @@ fn the_error_of_the_lowest_block_wins() {
         assert_eq!(reduce_blocks(40 * 4096, block, |(), ()| ()), Err(3 * 4096));
     }
 }
+
+/// Means of `exp(a z)` by 40 to 1,000 values: errors of a light tail are known, and none of a heavy one is false by ten times.
+#[test]
+fn a_mean_that_one_value_decides_has_no_error_too_small() {
+    for (a, is_light) in [(0.5, true), (2.0, false), (4.0, false)] {
+        let exact = (0.5_f64 * a * a).exp();
+        let (mut known, mut all) = (0, 0);
+        for n in [40, 200, 1_000] {
+            for seed in 0..100 {
+                let mut normals = vec![0.0; n];
+                Noise::new(seed).stream(Purpose::MarkovChain, 0).fill_normal(&mut normals);
+                let mut values = Accumulator::default();
+                normals.iter().for_each(|z| values.push((a * z).exp()));
+                let found = values.estimate().unwrap();
+                all += 1;
+                let Some(error) = found.standard_error() else { continue };
+                known += 1;
+                let off = (found.value - exact).abs() / error;
+                assert!(off < if is_light { 5.0 } else { 10.0 }, "{a}, {n}, {seed}: {off}");
+            }
+        }
+        assert!(if is_light { known == all } else { known < all }, "{a}: {known} of {all}");
+    }
+}

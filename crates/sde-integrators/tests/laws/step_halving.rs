@@ -28,11 +28,14 @@ fn pairs_of_paths_measure_the_bias_of_the_steps() {
         observables: &[Observable::Mean(&square)],
         level: SimdLevel::best(),
     };
-    let found = study.step_differences::<1>(20_000).unwrap();
+    let found = study.step_differences::<1>(20_000, 1.0).unwrap();
     let of = |h: f64, t: f64| {
         let q = (1.0 - h).powi(2);
         h * (1.0 - q.powf(t / h)) / (1.0 - q)
     };
+    // The noise as a factor, of a linear system.
+    let amplified = study.step_differences::<1>(20_000, 3.0).unwrap()[0][0].difference.value;
+    assert!((amplified / found[0][0].difference.value - 9.0).abs() < 1e-9, "{amplified}");
     for (row, t) in found.iter().zip([1.0, 2.0]) {
         let StepDifference { difference, value } = row[0];
         let error = difference.standard_error().unwrap();

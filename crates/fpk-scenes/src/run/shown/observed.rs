@@ -2,7 +2,7 @@
 
 use random_vibration::GuidedEstimate;
 use scene_runs::answers::{ErrorOrigin, Number};
-use sde_integrators::Estimate;
+use sde_integrators::{Estimate, normal_quantile};
 use serde::Serialize;
 
 use super::super::resolution_error::{Coarser, Orders, error_of_finest};
@@ -95,6 +95,11 @@ impl Observed {
         all
     }
 
+    /// Raises a known error to another one.
+    pub(crate) fn raise_error(&mut self, least: f64) {
+        self.error = self.error.map(|error| error.max(least));
+    }
+
     /// Adds an error that is independent of the known one, or `None` if it is unknown.
     pub(crate) fn add_error(&mut self, error: Option<f64>) {
         let both = self.error.zip(error).map(|(known, error)| known.hypot(error));
@@ -121,10 +126,15 @@ impl Observed {
     /// A probability without an error where the estimate is zero; an error of zero would imply an exact value.
     pub(crate) fn without_zero_error(mut self, note: &str) -> Self {
         if self.value == 0.0 {
-            (self.error, self.error_kind) = (None, ErrorOrigin::Unknown);
-            self.note = Some(note.to_owned());
+            self.lose_error(note);
         }
         self
+    }
+
+    /// Takes the error away, with the reason.
+    pub(crate) fn lose_error(&mut self, note: &str) {
+        (self.error, self.error_kind) = (None, ErrorOrigin::Unknown);
+        self.note = Some(note.to_owned());
     }
 
     /// An estimate with its uncertainty.
@@ -146,6 +156,16 @@ impl Observed {
     /// The value, unless its error is as large.
     pub(crate) fn known(&self) -> Option<f64> {
         self.error.is_none_or(|error| error < self.value.abs()).then_some(self.value)
+    }
+}
+
+/// `dP / d ln(scale) = 2 z phi(z)` of a probability `P = 2 Phi(-z)` that a normal demand is above a threshold.
+pub(crate) fn by_scale(probability: f64) -> f64 {
+    if probability > 0.0 && probability < 1.0 {
+        let z = -normal_quantile(0.5 * probability);
+        2.0 * z * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt()
+    } else {
+        0.0
     }
 }
 

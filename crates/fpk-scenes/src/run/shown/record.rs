@@ -6,7 +6,7 @@ use scene_runs::answers::Unknown;
 use serde::{Serialize, Serializer};
 
 use super::super::resolutions::Resolutions;
-use super::observed::Observed;
+use super::observed::{Observed, by_scale};
 use crate::density::{Exceedances, Row};
 use crate::scene::FpkScene;
 use crate::system::System;
@@ -43,6 +43,8 @@ pub(crate) struct Series {
     pub(crate) unit: String,
     pub(crate) values: Vec<Observed>,
 }
+
+const NO_CELL_BEYOND: &str = "no cell of the remeshed lattice lies beyond the threshold: take a finer lattice, or guided paths";
 
 impl Series {
     /// A series without unit.
@@ -166,6 +168,40 @@ const OF_RUN: [OfRun; 3] = [
     (Quantity::Entropy, "entropy (nats)", |row| Some(row.entropy)),
 ];
 
+/// The error by coarser runs that the quantities of one time share, as a relative error of the scale of the states.
+///
+/// A difference of runs is far too small where it changes its sign, which seldom happens in all quantities at once.
+#[derive(Debug, Clone, Copy)]
+struct SharedError(f64);
+
+/// Part of the shared error that each quantity has at least.
+const PART_SHARED: f64 = 0.5;
+
+impl SharedError {
+    /// The largest of the moments: the relative error of a moment of order `n` is `n` times that of a scale.
+    fn of(row: &Row, by_runs: &[Vec<Observed>], orders: &[f64]) -> Self {
+        let of_moment = |(k, values): (usize, &Vec<Observed>)| {
+            let observed =
+                values.iter().find(|observed| observed.t.to_bits() == row.t.to_bits())?;
+            let relative = observed.error? / (orders[k] * row.scales[k]);
+            relative.is_finite().then_some(relative)
+        };
+        Self(by_runs.iter().enumerate().filter_map(of_moment).fold(0.0, f64::max))
+    }
+
+    fn of_moment(self, order_and_scale: f64) -> f64 {
+        PART_SHARED * self.0 * order_and_scale
+    }
+
+    fn of_probability(self, value: f64) -> f64 {
+        PART_SHARED * self.0 * by_scale(value)
+    }
+}
+
+fn order(powers: &[u32]) -> u32 {
+    powers.iter().sum::<u32>().max(1)
+}
+
 /// All quantities of the scene, without those that the method does not compute.
 ///
 /// `beyond_reach` is the part of each moment beyond the lattice.
@@ -175,28 +211,37 @@ pub(in crate::run) fn series(
     system: &System,
     beyond_reach: &[f64],
 ) -> Vec<Series> {
-    let moment = |(k, powers): (usize, &Vec<u32>)| {
-        let mut values = both.values(|row| Some(row.moments[k]));
+    let orders: Vec<f64> = scene.moments.iter().map(|powers| f64::from(order(powers))).collect();
+    let by_runs: Vec<Vec<Observed>> =
+        (0..orders.len()).map(|k| both.values(|row| Some(row.moments[k]))).collect();
+    let shared = |row: &Row| SharedError::of(row, &by_runs, &orders);
+    let moment = |((k, powers), values): ((usize, &Vec<u32>), &Vec<Observed>)| {
+        let mut values = values.clone();
         for observed in &mut values {
             let Some(row) = both.fine.at(observed.t) else { continue };
+            observed.raise_error(shared(row).of_moment(orders[k] * row.scales[k]));
             observed.add_error(Some(row.offsets[k].hypot(beyond_reach[k] * row.scales[k])));
         }
         moment_series(powers, system, values)
     };
-    let mut all: Vec<Series> = scene.moments.iter().enumerate().map(moment).collect();
+    let mut all: Vec<Series> = scene.moments.iter().enumerate().zip(&by_runs).map(moment).collect();
     let demand = magnitude_name(scene, system);
     for (by, pick) in ESTIMATORS {
         for (k, &threshold) in scene.thresholds.iter().enumerate() {
             let mut values = both.values(|row| pick(&row.exceedances[k]));
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
+                observed.raise_error(shared(row).of_probability(observed.value));
                 observed.add_error(Some(row.exceedances[k].offset));
                 if by == Probability::Cell {
                     // What the cells leave out, near their rim and in folded ones.
                     observed.add_error(row.cell_mass.map(|mass| 1.0 - mass));
                     observed.note.clone_from(&row.exceedances[k].note);
                     // `Probability::Below`: a difference of runs says nothing of what no particle carries.
-                    if observed.value <= row.mass_outside {
+                    // A remeshed cloud ends where it has no mass to speak of, whatever the first lattice left outside.
+                    if observed.value == 0.0 && row.is_remeshed {
+                        observed.lose_error(NO_CELL_BEYOND);
+                    } else if observed.value <= row.mass_outside {
                         observed.bounded_by(row.mass_outside);
                     }
                 } else {

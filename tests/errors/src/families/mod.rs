@@ -1,8 +1,10 @@
 //! Scenes with known answers, by solver.
 
 mod density_methods;
+mod estimators;
 mod linear_systems;
 mod scalar_systems;
+mod smpm_responses;
 mod stationary_oscillators;
 
 use crate::Family;
@@ -13,4 +15,6 @@ pub const ALL: &[Family] = &[
     scalar_systems::WELLS,
     scalar_systems::CLOSED,
     stationary_oscillators::FAMILY,
+    smpm_responses::FAMILY,
+    estimators::FAMILY,
 ];

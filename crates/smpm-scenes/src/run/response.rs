@@ -9,6 +9,9 @@ use smpm::{Error, Plan, Window};
 
 use crate::scene::{RandomScene, SmpmScene};
 
+/// What none of `n` samples has met has a probability below three in `n`, in 95 of 100 cases.
+const RULE_OF_THREE: f64 = 3.0;
+
 /// A response with its moments.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Response {
@@ -35,6 +38,9 @@ pub(super) struct Response {
     /// Share of the samples that ended in errors and did not count, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) failed_share: Option<f64>,
+    /// Number of samples that correct a surrogate, if they do.
+    #[serde(skip)]
+    pub(super) n_followed: Option<u64>,
     /// Trust in a Taylor series.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) trust: Option<Indicators>,
@@ -105,12 +111,21 @@ impl Response {
         if self.mean_error.is_some() {
             return "twice what the series leaves of check runs".to_owned();
         }
+        if let (Some(n), Some(_)) = (self.n_followed, self.mean_standard_error) {
+            let most = short(Some(RULE_OF_THREE / n as f64));
+            return format!(
+                "standard error of the samples about a surrogate; what none of {n} runs met, such as a later yielding, may change it by {most} deviations"
+            );
+        }
         match (&self.trust, self.mean_standard_error, self.standard_deviation) {
             (_, Some(_), _) => "standard error of the samples".to_owned(),
             (Some(Indicators { curvature_ratio: Some(ratio), .. }), ..) => {
                 format!("Taylor series, no error estimate; curvature ratio {}", short(Some(*ratio)))
             }
             (Some(_), ..) => "Taylor series, no error estimate".to_owned(),
+            (None, None, Some(deviation)) if deviation <= 0.0 => {
+                "error unknown: all runs answer the same".to_owned()
+            }
             (None, None, Some(_)) => "no error estimate".to_owned(),
             (None, None, None) => "one run, no error estimate".to_owned(),
         }
@@ -208,6 +223,7 @@ impl<const D: usize> Table<'_, D> {
                 mean_error: None,
                 standard_deviation_error: None,
                 failed_share: None,
+                n_followed: None,
                 trust: None,
                 sobol_indices: Vec::new(),
                 change_from_coarser_grid: None,

@@ -175,7 +175,9 @@ fn of_samples<const D: usize>(
         let chances = table.levels(i).iter().map(|&level| sampled.exceedance(i, level));
         let moments = (&found.mean, &found.variance);
         let response = table.estimated(i, response, moments, ("count", chances))?;
-        Ok(Response { sobol_indices: shares, failed_share, ..response })
+        let is_followed = polynomial.is_some() || surrogates.get(i).is_some();
+        let n_followed = is_followed.then(|| sampled.n_samples() as u64);
+        Ok(Response { sobol_indices: shares, failed_share, n_followed, ..response })
     })
 }
 
@@ -189,9 +191,9 @@ fn expanded<const D: usize>(
 ) -> Result<(Vec<Response>, u64), Error> {
     let n = experiment.n_random() as u64;
     let has_fields = !table.scene.random_fields.is_empty();
-    let of_series = |series: Vec<Series>| {
+    let of_series = |series: Vec<Series>, step: f64| {
         run.progress.stage("check runs of the series");
-        let errors = study.series_errors(&series)?;
+        let errors = study.series_errors(&series, step)?;
         let responses = table.each(|i, response| {
             let SeriesError { mean, standard_deviation } = errors[i];
             let (mean_error, standard_deviation_error) = (Some(mean), Some(standard_deviation));
@@ -237,12 +239,12 @@ fn expanded<const D: usize>(
         }
         MethodScene::FiniteDifference { step } => {
             run.progress.stage("differences of whole runs");
-            let (responses, n_checks) = of_series(study.finite_difference(step)?)?;
+            let (responses, n_checks) = of_series(study.finite_difference(step)?, step)?;
             (responses, 2 * n + n_checks)
         }
         MethodScene::ForwardDifference { step } => {
             run.progress.stage("one-sided differences of whole runs");
-            let (responses, n_checks) = of_series(study.forward_difference(step)?)?;
+            let (responses, n_checks) = of_series(study.forward_difference(step)?, step)?;
             (responses, n + n_checks)
         }
         MethodScene::SigmaPoints => {

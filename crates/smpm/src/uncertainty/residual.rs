@@ -1,6 +1,6 @@
 //! What a Taylor series leaves of whole runs that it has not used.
 
-use perturbation_moments::MonteCarlo;
+use perturbation_moments::{MonteCarlo, SIGMA_POINT_DISTANCE};
 
 use super::experiment::Experiment;
 use super::series::Series;
@@ -16,15 +16,22 @@ const N_CHECKS: usize = 2;
 /// directions its square is covered with the probability `exp(-1/4)`.
 const COVERAGE: f64 = 2.0;
 
+/// Step of differences, in standard deviations, above which check runs at one deviation are too near to those of the series.
+const WIDE: f64 = 0.5;
+
 /// Seed of the signs of many normals.
 const SEED: u64 = 0x5eed;
 
 /// Errors of mean and standard deviation of a [`Series`], measured by runs that it has not used.
 ///
-/// Along directions $u$ of signs $\pm 1$, one deviation of every normal at once,
+/// Along directions $u$ of signs $\pm 1$, a distance of $d$ deviations of every normal at once,
 ///
-/// $$ r = \tfrac12 (y(u) - y(-u)) - g \cdot u, \qquad
-///    c = \tfrac12 (y(u) + y(-u)) - y_0 - \tfrac12 \sum_k h_k . $$
+/// $$ r = \tfrac1{2 d} (y(d u) - y(-d u)) - g \cdot u, \qquad
+///    c = \tfrac1{2 d^2} (y(d u) + y(-d u) - 2 y_0) - \tfrac12 \sum_k h_k . $$
+///
+/// Of one normal $d = \sqrt3$: with a step $s$ of the differences, third and fourth derivatives leave $\tfrac16 y^{(3)} (3 - s^2)$ in
+/// $r$ and $\tfrac1{24} y^{(4)} (3 - s^2)$ in $c$, their exact effects on the slope and on the mean. Of several $d = 1$, and
+/// $\sqrt3$ where the step is above a half. Runs at the distance of the step would be those of the series: near $\sqrt3$ it is one.
 ///
 /// A wrong gradient $g + \delta$ has $\operatorname{E} r^2 = \lvert \delta \rvert^2$, mixed curvature
 /// $\operatorname{E} c^2 = \tfrac12 \sum_{j \ne k} H_{jk}^2$. With root mean squares $\bar r$ and $\bar c$ over two directions the
@@ -45,13 +52,20 @@ pub struct SeriesError {
 
 impl SeriesError {
     /// From the responses at both ends of each direction.
-    fn new(series: &Series, directions: &[Vec<f64>], pairs: &[[f64; 2]]) -> Self {
+    fn new(
+        series: &Series,
+        directions: &[Vec<f64>],
+        distance: f64,
+        pairs: &[[f64; 2]],
+    ) -> Self {
         let (mut odd, mut even) = (0.0, 0.0);
+        let square = distance * distance;
+        // The squares of signs are one: the curvature of the series is in its mean.
+        let curved = series.value + square * (series.mean() - series.value);
         for ([plus, minus], u) in pairs.iter().zip(directions) {
             let slope: f64 = series.gradient.iter().zip(u).map(|(g, u)| g * u).sum();
-            odd += (0.5 * (plus - minus) - slope).powi(2);
-            // The squares of signs are one: the curvature of the series is in its mean.
-            even += (0.5 * ((plus - series.mean()) + (minus - series.mean()))).powi(2);
+            odd += (0.5 * (plus - minus) / distance - slope).powi(2);
+            even += (0.5 * ((plus - curved) + (minus - curved)) / square).powi(2);
         }
         let n = pairs.len().max(1) as f64;
         let [odd, even] = [odd, even].map(|sum| COVERAGE * (sum / n).sqrt());
@@ -62,20 +76,22 @@ impl SeriesError {
 }
 
 impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
-    /// Errors of the series of all responses from four whole runs that they have not used; two for one random input.
+    /// Errors of the series of all responses, of differences with this step in standard deviations, from four whole runs that they
+    /// have not used; two for one random input.
     ///
     /// # Errors
     /// [`Error::NoSuchResponse`] for another number of series; those of the experiment and of a run.
-    pub fn series_errors(&self, series: &[Series]) -> Result<Vec<SeriesError>, Error> {
+    pub fn series_errors(&self, series: &[Series], step: f64) -> Result<Vec<SeriesError>, Error> {
         let (value, limit) = (series.len(), self.runs.plan.n_responses());
         if value != limit {
             return Err(Error::NoSuchResponse { value, limit });
         }
         let directions = self.check_directions();
+        let distance = check_distance(self.inputs.n_random(), step);
         let ends: Vec<(usize, f64)> =
             (0..directions.len()).flat_map(|k| [(k, 1.0), (k, -1.0)]).collect();
         let run = |&(k, side): &(usize, f64)| {
-            let normals: Vec<f64> = directions[k].iter().map(|sign| side * sign).collect();
+            let normals: Vec<f64> = directions[k].iter().map(|sign| side * distance * sign).collect();
             let mut simulation = self.simulation_at(&normals)?;
             let name = format!("check run at {side} along {k}");
             self.runs.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
@@ -85,7 +101,7 @@ impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
         let of = |(response, series): (usize, &Series)| {
             let pairs: Vec<[f64; 2]> =
                 ends.chunks_exact(2).map(|pair| [pair[0][response], pair[1][response]]).collect();
-            SeriesError::new(series, &directions, &pairs)
+            SeriesError::new(series, &directions, distance, &pairs)
         };
         Ok(series.iter().enumerate().map(of).collect())
     }
@@ -116,6 +132,13 @@ impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
     }
 }
 
+/// Distance of check runs of so many normals, in standard deviations, for differences with this step.
+fn check_distance(n: usize, step: f64) -> f64 {
+    let is_wide = n == 1 || step > WIDE;
+    let is_used = (step * step - SIGMA_POINT_DISTANCE * SIGMA_POINT_DISTANCE).abs() < 1.0;
+    if is_wide && !is_used { SIGMA_POINT_DISTANCE } else { 1.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,12 +149,32 @@ mod tests {
         let (value, curvature) = (y(&vec![0.0; n]), Vec::new());
         let series = Series { value, gradient: gradient.to_vec(), curvature, mixed_squares: None };
         let directions = signs(n, N_CHECKS);
+        let distance = check_distance(n, 0.05);
         let ends = |u: &Vec<f64>| {
-            let other: Vec<f64> = u.iter().map(|u| -u).collect();
-            [y(u), y(&other)]
+            let at = |side: f64| y(&u.iter().map(|u| side * distance * u).collect::<Vec<f64>>());
+            [at(1.0), at(-1.0)]
         };
         let pairs: Vec<[f64; 2]> = directions.iter().map(ends).collect();
-        SeriesError::new(&series, &directions, &pairs)
+        SeriesError::new(&series, &directions, distance, &pairs)
+    }
+
+    #[test]
+    fn steps_of_any_width_have_the_errors_of_higher_derivatives() {
+        let y = |t: f64| 1.0 + t + 0.2 * t.powi(3) + 0.1 * t.powi(4);
+        // Mean 1 + 0.1 E t^4, slope E t y.
+        let (mean, slope) = (1.3, 1.6);
+        for step in [0.01, 0.3, 0.9, 1.0, 1.1, 1.5, 2.5] {
+            let distance = check_distance(1, step);
+            let pair = |t: f64| [y(t), y(-t)];
+            let [plus, minus] = pair(step);
+            let gradient = vec![0.5 * (plus - minus) / step];
+            let curvature = vec![(plus + minus - 2.0) / (step * step)];
+            let series = Series { value: 1.0, gradient, curvature, mixed_squares: None };
+            let found = SeriesError::new(&series, &[vec![1.0]], distance, &[pair(distance)]);
+            assert!((series.mean() - mean).abs() <= found.mean, "{step}: {found:?}");
+            let off = (series.gradient[0] - slope).abs();
+            assert!(off <= found.standard_deviation, "{step}: {off} {found:?}");
+        }
     }
 
     fn normals(case: u64, n: usize) -> Vec<f64> {

@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use perturbation_moments::{Estimate, MonteCarlo, Uncertainty};
 use uq_estimators::{
-    ControlledSamples, PolynomialControl, SampledMoments, SobolIndices, Surrogate,
+    ControlledSamples, Error as SamplingError, PolynomialControl, SampledMoments, SobolIndices,
+    Surrogate,
 };
 
 use super::design::Design;
@@ -134,7 +135,8 @@ impl Sampled {
     /// # Errors
     /// [`Error::NoSuchResponse`]; [`Error::SamplesFailed`]; too few samples or one that is not finite, as
     /// [`ControlledSamples::raw`];
-    /// [`Error::SampleOfDesign`], [`Error::SamplesMissing`] for a quasi-random design that is not whole.
+    /// [`Error::SampleOfDesign`], [`Error::SamplesMissing`] for a quasi-random design that is not whole. A response that does not vary
+    /// is none: its errors are unknown.
     pub fn raw(&self, response: usize) -> Result<SampledMoments, Error> {
         let values = self.values(response)?;
         match self.design {
@@ -147,8 +149,18 @@ impl Sampled {
                 Ok(cube.moments_of_runs(&values, &[])?)
             }
             Design::SobolIndices(_) => {
-                let indices = self.sobol_indices(response)?;
-                Ok(SampledMoments { mean: indices.mean, variance: indices.variance })
+                match self.sobol_indices(response) {
+                    Ok(indices) => {
+                        Ok(SampledMoments { mean: indices.mean, variance: indices.variance })
+                    }
+                    // It has no indices, but others may.
+                    Err(Error::Sampling(SamplingError::NoVariance { .. })) => {
+                        let unknown = |value| Estimate { value, uncertainty: Uncertainty::Unknown };
+                        let first = values.first().copied().unwrap_or(0.0);
+                        Ok(SampledMoments { mean: unknown(first), variance: unknown(0.0) })
+                    }
+                    Err(error) => Err(error),
+                }
             }
         }
     }

@@ -92,7 +92,7 @@ fn one_sided_differences_give_the_variance_of_central_ones_by_half_the_runs() {
     }
     // What is left of the check runs is at least what a wide star sees and the slopes do not.
     let narrow = study.forward_difference(step).unwrap();
-    let errors = study.series_errors(&narrow).unwrap();
+    let errors = study.series_errors(&narrow, step).unwrap();
     let wide = study.sigma_points().unwrap();
     for ((narrow, error), wide) in narrow.iter().zip(&errors).zip(&wide) {
         let [a, b] = [narrow.variance(), wide.surrogate_variance()].map(f64::sqrt);

@@ -143,7 +143,8 @@ impl UnitCube {
     ///
     /// `rows` has for each run the response, then the surrogates, as [`ControlledSamples`](crate::ControlledSamples). Each
     /// replica uses the coefficients of the regression over all others, so that they are independent of the points that they
-    /// correct; mean, variance and standard errors then follow from the replicas as in [`moments`](Self::moments).
+    /// correct; mean, variance and standard errors then follow from the replicas as in [`moments`](Self::moments). Of responses that
+    /// are all equal the errors are unknown.
     ///
     /// Source: Hickernell, Lemieux and Owen 2005, Control variates for quasi-Monte Carlo, section 3: the coefficients of
     /// independent samples are not the best ones of a net, but as good where the surrogate explains nearly all.
@@ -162,6 +163,9 @@ impl UnitCube {
         }
         let width = 1 + surrogates.len();
         check_rows(&self.runs()?, rows, width)?;
+        if let Some(equal) = SampledMoments::of_equal(rows.iter().step_by(width).copied()) {
+            return Ok(equal);
+        }
         let replicas = self.by_replica(rows, width);
         let n = replicas.len() as f64;
         let sums: Vec<Comoments> = replicas.iter().map(|rows| sums_of(rows, width)).collect();

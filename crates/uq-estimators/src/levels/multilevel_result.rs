@@ -31,7 +31,7 @@ impl MultilevelResult {
 /// Result for one target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TargetResult {
-    /// The statistic of the finest level, with its standard error.
+    /// The statistic of the finest level, with its standard error; unknown where all samples are equal.
     pub estimate: Estimate,
     /// Bias of the finest level by extrapolation, true value less that of the level, with its standard error; zero by
     /// [`Bias::FinestIsExact`](crate::Bias::FinestIsExact).
@@ -47,7 +47,7 @@ pub struct TargetResult {
 }
 
 impl TargetResult {
-    /// Root of the sum of the squares of standard error, bias bound and error of smoothing.
+    /// Root of the sum of the squares of standard error, bias bound and error of smoothing; NaN where the first is unknown.
     ///
     /// An interval of 1.96 of it to either side holds the true value in 95 to 97 % of repetitions, as long as the bias is at
     /// most the standard error.

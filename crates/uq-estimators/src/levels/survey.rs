@@ -312,10 +312,15 @@ impl<'a> Survey<'a> {
             squared_error += term.difference_variance().max(floor) / term.sums.count() as f64;
         }
         let standard_error = squared_error.sqrt();
+        let mut estimate = with_error(self.value(target), standard_error);
+        if squared_error == 0.0 {
+            // Samples of a rare event that none has met are all equal, too.
+            estimate.uncertainty = Uncertainty::Unknown;
+        }
         let bias = extrapolated(self.bias, &self.differences(target));
         let [most_error, most_bias] = self.parts_of_tolerance(target);
         TargetResult {
-            estimate: with_error(self.value(target), standard_error),
+            estimate,
             bias: bias.estimate,
             bias_bound: bias.bound,
             smoothing: asked.smoothing(self.means(target)),

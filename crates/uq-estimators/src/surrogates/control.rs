@@ -1,6 +1,6 @@
 //! Control variates with fitted coefficients, from existing samples.
 
-use sde_integrators::{Accumulator, Estimate, Noise, Purpose, Stream};
+use sde_integrators::{Accumulator, Estimate, Noise, Purpose, Stream, Uncertainty};
 
 use crate::error::{Error, require_at_least, require_finite, require_finite_responses};
 use crate::rates::with_error;
@@ -25,7 +25,8 @@ pub struct Surrogate {
 /// The samples are split into halves. Each half uses the coefficients of the other half, so a coefficient is
 /// independent of the samples that it corrects, and the results are averaged. Without the split, a fitted coefficient
 /// biases small samples and underestimates their errors. Standard errors come from a bootstrap within the halves,
-/// including the coefficients.
+/// including the coefficients. Of responses that are all equal they are unknown. What none of `n` samples has met, such as yielding, is
+/// in no error: by the rule of three, with a response one deviation off its surrogate, $3/n$ of a deviation of the mean.
 ///
 /// A roughly correct surrogate reduces the error, and a useless one hardly increases it. A surrogate that is constant, or
 /// a linear combination of those before it within roundoff, takes the coefficient zero.
@@ -66,6 +67,17 @@ pub struct SampledMoments {
     pub variance: Estimate,
 }
 
+impl SampledMoments {
+    /// Those of values that are all equal, with unknown errors: samples of a rare event that none has met look the same.
+    pub(crate) fn of_equal(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut values = values.into_iter();
+        let first = values.next()?;
+        let unknown = |value| Estimate { value, uncertainty: Uncertainty::Unknown };
+        let is_equal = values.all(|value| value.total_cmp(&first).is_eq());
+        is_equal.then(|| Self { mean: unknown(first), variance: unknown(0.0) })
+    }
+}
+
 /// Smallest number of samples, for each number of a row: two halves with coefficients.
 const FEWEST_SAMPLES: usize = 4;
 
@@ -85,6 +97,9 @@ impl ControlledSamples<'_> {
     pub fn raw(&self) -> Result<SampledMoments, Error> {
         self.check()?;
         let values = || self.samples.iter().step_by(self.width());
+        if let Some(equal) = SampledMoments::of_equal(values().copied()) {
+            return Ok(equal);
+        }
         let (mut plain, mut squares) = (Accumulator::default(), Accumulator::default());
         values().for_each(|y| plain.push(*y));
         values().for_each(|y| squares.push((y - plain.mean()).powi(2)));
@@ -106,6 +121,9 @@ impl ControlledSamples<'_> {
     pub fn estimate(&self) -> Result<SampledMoments, Error> {
         self.check()?;
         let width = self.width();
+        if let Some(equal) = SampledMoments::of_equal(self.samples.iter().step_by(width).copied()) {
+            return Ok(equal);
+        }
         let half = self.samples.len() / width / 2 * width;
         let (first, second) = self.samples.split_at(half);
         let [mean, variance] = self.of_halves(first, second);

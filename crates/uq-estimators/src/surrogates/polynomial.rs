@@ -29,7 +29,8 @@ use crate::surrogates::normal_equations::factors_without_each_fold;
 /// 15, 93, 639 for `d` from 0 to 3. The variance depends more on tails: with the share $q$ of the terms of degree `d` in the variance
 /// of the polynomial, its standard error is that of the folds times $\min(1 + 25 \sqrt q, 5)$, if that is more. Both factors were
 /// measured on $e^w$ with a normal $w$ of deviation 0.1 to 1; for a bounded response they are more than is needed.
-/// A polynomial with $q$ above a tenth that leaves more than a hundredth has not converged, and the error of the variance is unknown.
+/// What no sample has met is in no error, as of [`ControlledSamples`](crate::ControlledSamples).
+/// Of values that are all equal every error is unknown. A polynomial with $q$ above a tenth that leaves more than a hundredth has not converged, and the error of the variance is unknown.
 ///
 /// Sources: Ghanem and Spanos 1991, Stochastic finite elements: a spectral approach (polynomial chaos); Sudret 2008,
 /// Global sensitivity analysis using polynomial chaos expansions, eqs 36 to 42 (Sobol' indices); Glasserman 2003, Monte
@@ -140,6 +141,12 @@ impl PolynomialControl {
         }
         for (realisation, value) in (0..).zip(values) {
             require_finite_responses(&"the response", realisation, &[*value])?;
+        }
+        if let Some(moments) = SampledMoments::of_equal(values.iter().copied()) {
+            let shares = vec![moments.variance; self.basis.dimension()];
+            let (first, total) = (shares.clone(), shares);
+            let (degree, n_terms, unexplained) = (0, 1, 0.0);
+            return Ok(PolynomialMoments { moments, degree, n_terms, unexplained, first, total });
         }
         let centre = values.iter().sum::<f64>() / values.len() as f64;
         let y: Vec<f64> = values.iter().map(|value| value - centre).collect();

@@ -401,7 +401,8 @@ impl Problem {
         let found = study.run(&Levels { costs: &costs, n_responses: 1, run })?;
         let number = |k: usize| {
             let target = &found.targets[k];
-            Number::sampled(target.estimate.value, Some(target.root_mean_square_error()))
+            let error = Some(target.root_mean_square_error()).filter(|error| !error.is_nan());
+            Number::sampled(target.estimate.value, error)
         };
         Ok(named([("mean", number(0)), ("variance", number(1))]))
     }

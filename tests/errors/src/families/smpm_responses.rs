@@ -7,7 +7,7 @@ use smpm_scenes::scene::SmpmScene;
 
 use crate::draw::{Draw, rounded};
 use crate::hunt::of_scene;
-use crate::{Family, Truth};
+use crate::{Family, Truth, Verdict};
 
 pub(super) const FAMILY: Family = Family {
     name: "smpm-responses",
@@ -15,13 +15,32 @@ pub(super) const FAMILY: Family = Family {
     weight: 1.5,
     draw,
     truths,
-    // Every value has a remark on how its error is known: none is a warning.
     judge: |scene, truths, longest| {
         let mut verdicts = of_scene(scene, truths, longest)?;
-        verdicts.iter_mut().for_each(|verdict| verdict.is_warned = false);
+        for verdict in &mut verdicts {
+            verdict.is_warned = is_unseen(scene, truths, verdict);
+        }
         Ok(verdicts)
     },
 };
+
+/// Whether a number is off by no more than its remark says of events that no sample has met. Other remarks are no warnings.
+fn is_unseen(scene: &Value, truths: &[Truth], verdict: &Verdict) -> bool {
+    let method = scene["method"].as_object().and_then(|keys| keys.values().next());
+    let Some(n) = method.filter(|keys| keys["control"] == true).and_then(n_samples) else {
+        return false;
+    };
+    let id = verdict.truth.id.replace("/mean", "/standard_deviation");
+    let is_deviation = |truth: &&Truth| truth.id == id && truth.time == verdict.truth.time;
+    let deviation = truths.iter().find(is_deviation).map_or(0.0, |truth| truth.value);
+    verdict.away() <= 3.0 / n * deviation
+}
+
+/// Samples of a method, if it has a number of them.
+fn n_samples(method: &Value) -> Option<f64> {
+    let number = |key: &str| method[key].as_f64();
+    number("samples").or_else(|| Some(number("points")? * number("replicas")?))
+}
 
 /// Distances of the points of a rule for one and for two inputs, in standard deviations, and how far they reach.
 const DISTANCES: [f64; 2] = [0.5, 1.2];
@@ -187,9 +206,8 @@ fn truths(scene: &Value) -> Option<Vec<Truth>> {
     let [even, odd] = [0.0, 0.5].map(|shift| Sums::new(&study, n, distance, shift));
     let (even, odd) = (even?, odd?);
     let method = serde_json::to_value(scene.method).ok()?;
-    let number = |key: &str| method.as_object()?.values().next()?[key].as_f64();
-    let samples = number("points").zip(number("replicas")).map(|(n, replicas)| n * replicas);
-    let samples = number("samples").or(samples).unwrap_or(0.0);
+    let keys = method.as_object().and_then(|keys| keys.values().next());
+    let samples = keys.and_then(n_samples).unwrap_or(0.0);
     let most = KURTOSIS.max(samples / RUNS_OF_KURTOSIS);
     let mut truths = Vec::new();
     for i in 0..plan.n_responses() {

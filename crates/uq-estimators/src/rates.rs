@@ -40,6 +40,23 @@ pub(crate) fn of_replicas(sum: &Accumulator) -> Estimate {
     with_error(sum.mean(), (variance / sum.count() as f64).sqrt())
 }
 
+/// Error of a variance, or of another mean of squares, of `n` samples with this standard error: of few half the distance to the upper
+/// end of the interval of 95 % of its logarithm, with the relative error $\rho$ at least $\sqrt{2/(n - 1)}$, as of a normal response,
+///
+/// $$ \tfrac12 (e^{2 \rho} - 1) . $$
+///
+/// Few samples that lie close together have a small variance and a small scatter of its terms. The scatter of [`MANY`] is their own.
+pub(crate) fn error_of_variance(variance: f64, standard_error: f64, n: u64) -> f64 {
+    if n >= MANY || variance.is_nan() || variance <= 0.0 {
+        return standard_error;
+    }
+    let relative = (standard_error / variance).max((2.0 / (n as f64 - 1.0)).sqrt());
+    0.5 * variance * (2.0 * relative).exp_m1()
+}
+
+/// Samples from which the scatter of their squares is known to a quarter where they are normal.
+const MANY: u64 = 64;
+
 /// An estimate from all of the data and without each part of it: the delete-one jackknife, which removes the bias of first order.
 pub(crate) fn jackknife(whole: f64, left_out: &[f64]) -> Estimate {
     let n = left_out.len() as f64;

@@ -21,5 +21,8 @@ pub struct Family {
     /// What is known of the answers of a scene; none of a scene of another kind.
     pub truths: fn(&Value) -> Option<Vec<Truth>>,
     /// Runs a scene, no longer than allowed, and compares its numbers with what is known.
-    pub judge: fn(&Value, &[Truth], Duration) -> Result<Vec<Verdict>, RunError>,
+    pub judge: Judge,
 }
+
+/// Runs a scene, no longer than allowed, and compares its numbers with what is known.
+pub type Judge = fn(&Value, &[Truth], Duration) -> Result<Vec<Verdict>, RunError>;

@@ -14,7 +14,7 @@ mod tally;
 
 pub use draw::Draw;
 pub use families::ALL;
-pub use family::Family;
+pub use family::{Family, Judge};
 pub use hunt::{Hunt, Outcome, Verdict, hunt, judged, known};
 pub use page::page;
 pub use tally::{Row, Tally};

@@ -35,7 +35,8 @@ const SEED: u64 = 0x5eed;
 ///
 /// A wrong gradient $g + \delta$ has $\operatorname{E} r^2 = \lvert \delta \rvert^2$, mixed curvature
 /// $\operatorname{E} c^2 = \tfrac12 \sum_{j \ne k} H_{jk}^2$. With root mean squares $\bar r$ and $\bar c$ over two directions the
-/// error of the mean is $2 \bar c$, that of the standard deviation $s$
+/// error of the mean is $2 \bar c$ and the part $2 \bar r/s$ of its curvature, which is no better known than the slopes; that of the
+/// standard deviation $s$ is
 ///
 /// $$ 2 \bar r + \sqrt{s^2 + \tfrac12 \sum_k h_k^2 + (2 \bar c)^2} - s . $$
 ///
@@ -52,12 +53,7 @@ pub struct SeriesError {
 
 impl SeriesError {
     /// From the responses at both ends of each direction.
-    fn new(
-        series: &Series,
-        directions: &[Vec<f64>],
-        distance: f64,
-        pairs: &[[f64; 2]],
-    ) -> Self {
+    fn new(series: &Series, directions: &[Vec<f64>], distance: f64, pairs: &[[f64; 2]]) -> Self {
         let (mut odd, mut even) = (0.0, 0.0);
         let square = distance * distance;
         // The squares of signs are one: the curvature of the series is in its mean.
@@ -71,7 +67,10 @@ impl SeriesError {
         let [odd, even] = [odd, even].map(|sum| COVERAGE * (sum / n).sqrt());
         let curved = series.surrogate_variance() + even * even;
         let standard_deviation = odd + (curved.sqrt() - series.variance().sqrt());
-        Self { mean: even, standard_deviation }
+        let deviation = series.variance().sqrt();
+        let unsure = if deviation > 0.0 { odd / deviation } else { 0.0 };
+        let mean = even + unsure * (series.mean() - series.value).abs();
+        Self { mean, standard_deviation }
     }
 }
 
@@ -91,7 +90,8 @@ impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
         let ends: Vec<(usize, f64)> =
             (0..directions.len()).flat_map(|k| [(k, 1.0), (k, -1.0)]).collect();
         let run = |&(k, side): &(usize, f64)| {
-            let normals: Vec<f64> = directions[k].iter().map(|sign| side * distance * sign).collect();
+            let normals: Vec<f64> =
+                directions[k].iter().map(|sign| side * distance * sign).collect();
             let mut simulation = self.simulation_at(&normals)?;
             let name = format!("check run at {side} along {k}");
             self.runs.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)

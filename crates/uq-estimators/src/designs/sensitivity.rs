@@ -1,12 +1,12 @@
 //! Sobol' indices: which input causes how much of the variance.
 
-use sde_integrators::Estimate;
+use sde_integrators::{Estimate, Uncertainty};
 
 use crate::comoments::Comoments;
 use crate::designs::cube::UnitCube;
 use crate::error::{Error, require_at_least};
 use crate::ladder::Failure;
-use crate::rates::jackknife;
+use crate::rates::{error_of_variance, jackknife};
 
 /// Sobol' indices of one response, each with its standard error.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,8 @@ impl UnitCube {
     /// ones.
     ///
     /// Values are from the points of all replicas, errors from the delete-one jackknife over the replicas, with which the
-    /// bias of the ratios is removed. An index near zero may have a negative estimate.
+    /// bias of the ratios is removed; of fewer than 64 points those of total indices and of the variance are as of
+    /// a variance of [`ControlledSamples::raw`](crate::ControlledSamples::raw). An index near zero may have a negative estimate.
     ///
     /// Sources: Janon et al. 2014, Asymptotic normality and efficiency of two Sobol index estimators, eq 6 (first order,
     /// $\rho_i = 0$); Saltelli et al. 2010, Variance based sensitivity analysis of model output, table 2 (design; first order by the
@@ -105,10 +106,18 @@ pub(crate) fn indices_of_sums(
     let whole = quantities(&all, p);
     let left_out: Vec<Vec<f64>> =
         (0..replicas.len()).map(|k| quantities(&pooled(Some(k)), p)).collect();
+    // Total indices and the variance are means of squares, of which few show a small scatter.
+    let is_of_squares = |q: usize| (p..2 * p).contains(&q) || q == 2 * p + 3;
     let estimates: Vec<Estimate> = (0..whole.len())
         .map(|q| {
             let without: Vec<f64> = left_out.iter().map(|values| values[q]).collect();
-            jackknife(whole[q], &without)
+            let mut found = jackknife(whole[q], &without);
+            if let Uncertainty::StandardError(error) = &mut found.uncertainty
+                && is_of_squares(q)
+            {
+                *error = error_of_variance(whole[q], *error, all.count());
+            }
+            found
         })
         .collect();
     Ok(SobolIndices {

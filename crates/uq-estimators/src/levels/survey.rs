@@ -8,7 +8,7 @@ use crate::ladder::{Ladder, Pair, SAMPLE_BITS};
 use crate::levels::blocks::Progress;
 use crate::levels::multilevel_result::{LevelReport, MultilevelResult, TargetResult};
 use crate::levels::statistic::{COMPONENTS, Statistic, Target, TargetSums};
-use crate::rates::{Bias, extrapolated, floored, with_error};
+use crate::rates::{Bias, error_of_variance, extrapolated, floored, with_error};
 
 /// Variances, rates and bias of a study, from its blocks.
 pub(crate) struct Survey<'a> {
@@ -313,6 +313,11 @@ impl<'a> Survey<'a> {
         }
         let standard_error = squared_error.sqrt();
         let mut estimate = with_error(self.value(target), standard_error);
+        if asked.statistic == Statistic::Variance {
+            let n = self.term(self.coarsest, target).sums.count();
+            let error = error_of_variance(estimate.value, standard_error, n);
+            estimate.uncertainty = Uncertainty::StandardError(error);
+        }
         if squared_error == 0.0 {
             // Samples of a rare event that none has met are all equal, too.
             estimate.uncertainty = Uncertainty::Unknown;

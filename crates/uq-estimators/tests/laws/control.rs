@@ -74,6 +74,30 @@ fn two_surrogates_do_what_neither_does() {
 }
 
 #[test]
+fn variances_of_few_normal_samples_hold() {
+    let held = |seed: &u64| {
+        let samples: [f64; 8] = normals(*seed, 0);
+        let found =
+            ControlledSamples { samples: &samples, surrogates: &[], seed: 1 }.raw().unwrap();
+        let error = found.variance.standard_error().unwrap();
+        (found.variance.value - 1.0).abs() <= 2.0 * error
+    };
+    let share = (0..2000).filter(held).count() as f64 / 2000.0;
+    // P(7 s^2 > 7/2.9) = 0.934 by the chi-square distribution of seven degrees, less four standard errors.
+    assert!(share > 0.934 - 0.022, "{share}");
+}
+
+#[test]
+fn equal_samples_have_unknown_errors() {
+    let samples = [0.0, -0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let found = ControlledSamples { samples: &samples, surrogates: &[], seed: 1 };
+    for moments in [found.raw().unwrap(), found.estimate().unwrap()] {
+        assert_eq!(moments.mean.standard_error(), None);
+        assert_eq!(moments.variance.standard_error(), None);
+    }
+}
+
+#[test]
 fn bad_samples_are_refused() {
     let surrogates = &[Surrogate { mean: 0.0, variance: Some(1.0) }];
     let of = |samples: &[f64]| ControlledSamples { samples, surrogates, seed: 1 }.estimate();

@@ -2,18 +2,16 @@
 
 use std::time::Duration;
 
-use perturbation_moments::{
-    Expansion, Moments, MonteCarlo, RandomVector, Verdict as Trusted,
-};
+use perturbation_moments::{Expansion, Moments, MonteCarlo, RandomVector, Verdict as Trusted};
 use scenes::RunError;
 use scenes::answers::{ErrorOrigin, Number};
 use sde_integrators::{normal_probability, normal_quantile};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use uq_estimators::{
-    Bias, ControlledSamples, Error, Failure, Levels, Multilevel, NormalModel, PolynomialControl,
-    Sampling, Statistic, SubsetConfig, Surrogate, TailSampling, Target, Tolerance, UnitCube,
-    quantile,
+    Bias, ControlledSamples, Error, Estimate, Failure, Levels, Multilevel, NormalModel,
+    PolynomialControl, SampledMoments, Sampling, Statistic, SubsetConfig, Surrogate, TailSampling,
+    Target, Tolerance, UnitCube, quantile,
 };
 
 use crate::draw::{Draw, rounded};
@@ -78,7 +76,8 @@ impl Function {
             }
             // Binomial coefficients by the moments 1, 3, 15, 105 of the square of a normal.
             Self::Quadratic(a) => {
-                let rising = |n: i32| (0..n).map(|j| (k - f64::from(j)) / f64::from(j + 1)).product();
+                let rising =
+                    |n: i32| (0..n).map(|j| (k - f64::from(j)) / f64::from(j + 1)).product();
                 let term = |(n, moment): (i32, f64)| -> f64 {
                     let coefficient: f64 = rising(n);
                     coefficient * moment * a.powi(n)
@@ -117,8 +116,18 @@ const KURTOSIS: f64 = 8.0;
 const RUNS_OF_KURTOSIS: f64 = 4.0;
 
 const METHODS: [&str; 12] = [
-    "cube", "cube-controlled", "polynomial", "indices", "samples", "samples-controlled", "quantile",
-    "cube-quantile", "multilevel", "lines", "subset", "taylor",
+    "cube",
+    "cube-controlled",
+    "polynomial",
+    "indices",
+    "samples",
+    "samples-controlled",
+    "quantile",
+    "cube-quantile",
+    "multilevel",
+    "lines",
+    "subset",
+    "taylor",
 ];
 
 fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
@@ -130,7 +139,16 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     };
     let size = if hostile { draw.between(0.5, 2.0) } else { draw.scaled(0.1, 0.7) };
     let each = size / (n as f64).sqrt();
-    let kind = draw.whole(0, if is_tail { 2 } else if method.contains("quantile") { 1 } else { 4 });
+    let kind = draw.whole(
+        0,
+        if is_tail {
+            2
+        } else if method.contains("quantile") {
+            1
+        } else {
+            4
+        },
+    );
     let function = |draw: &mut Draw, k: u64| {
         let a = rounded(each * draw.between(0.3, 1.3));
         let name = match kind {
@@ -145,9 +163,10 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
         json!({ name: a })
     };
     let functions: Vec<Value> = (0..n).map(|k| function(draw, k)).collect();
-    let (points, replicas) = match hostile {
-        true => (1 << draw.whole(1, 3), 8),
-        false => (1 << draw.whole(5, 8), draw.whole(8, 24)),
+    let (points, replicas) = if hostile {
+        (1 << draw.whole(1, 3), 8)
+    } else {
+        (1 << draw.whole(5, 8), draw.whole(8, 24))
     };
     let is_product = kind == 0 || kind == 3;
     let mut problem = json!({
@@ -159,7 +178,8 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
         "multilevel" if hostile => draw.between(0.1, 0.5),
         "multilevel" => draw.scaled(0.01, 0.1),
         _ if is_tail => {
-            let index = draw.between(if hostile { 0.5 } else { 1.5 }, if hostile { 7.0 } else { 4.5 });
+            let index =
+                draw.between(if hostile { 0.5 } else { 1.5 }, if hostile { 7.0 } else { 4.5 });
             let deviation = Problem::read(&problem).map_or(1.0, |it| it.length());
             match kind {
                 0 => rounded((index * deviation).exp()),
@@ -175,7 +195,9 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
 
 impl Problem {
     fn read(problem: &Value) -> Option<Self> {
-        serde_json::from_value(problem.clone()).ok().filter(|it: &Self| it.solver == "uq-estimators")
+        serde_json::from_value(problem.clone())
+            .ok()
+            .filter(|it: &Self| it.solver == "uq-estimators")
     }
 
     fn value(&self, z: &[f64], scale: f64) -> f64 {
@@ -217,12 +239,14 @@ impl Problem {
             let excess = |i: usize| central(moments[i]) - 3.0 * own(i).powi(2);
             (0..all).map(excess).sum::<f64>() + 3.0 * variance * variance
         };
-        let runs = (self.points * self.replicas) as f64;
+        // The pilot of a multilevel estimate may be all that there is.
+        let is_pilot = self.method == "multilevel";
+        let runs = if is_pilot { 0.0 } else { (self.points * self.replicas) as f64 };
         let most = KURTOSIS.max(runs / RUNS_OF_KURTOSIS);
         let is_rare = fourth > most * variance * variance;
         let mut truths = Vec::new();
         let mut known = |id: String, value: f64| {
-            if !(is_rare && ["v", "f", "t"].iter().any(|it| id.starts_with(it))) {
+            if !is_rare || ["quantile", "probability"].contains(&id.as_str()) {
                 truths.push(Truth { id, time: None, value, error: 1e-9 * value.abs() + 1e-14 });
             }
         };
@@ -231,8 +255,11 @@ impl Problem {
         for i in 0..all {
             let [first, total] =
                 if self.is_product { [without(i, 0, 2), without(i, 1, 1)] } else { [1.0; 2] };
-            known(format!("first/{i}"), own(i) * first / variance);
-            known(format!("total/{i}"), own(i) * total / variance);
+            // Rare events of one function decide its indices.
+            if central(moments[i]) <= most * own(i).powi(2) {
+                known(format!("first/{i}"), own(i) * first / variance);
+                known(format!("total/{i}"), own(i) * total / variance);
+            }
         }
         let (n, length) = (all as f64, self.length());
         let z = if self.at > 0.0 && self.at < 1.0 { normal_quantile(self.at) } else { 0.0 };
@@ -273,9 +300,62 @@ impl Problem {
 
     /// The estimates of the method, by the names of the truths.
     fn estimates(&self) -> Result<Vec<(String, Number)>, RunError> {
-        let moments = |found: &uq_estimators::SampledMoments| {
-            named([("mean", found.mean.into()), ("variance", found.variance.into())])
+        let found = match self.method.as_str() {
+            "multilevel" => self.multilevel(),
+            "lines" | "subset" => self.tail(),
+            "samples" | "samples-controlled" | "quantile" => self.sampled(),
+            "taylor" => return self.taylor().map_err(RunError::solver),
+            _ => self.designed(),
         };
+        found.map_err(RunError::solver)
+    }
+
+    fn samples(&self) -> MonteCarlo {
+        MonteCarlo { seed: self.seed, n_samples: self.points * self.replicas }
+    }
+
+    fn is_controlled(&self) -> bool {
+        self.method.ends_with("controlled")
+    }
+
+    /// Normals of all samples.
+    fn inputs(&self, fill: impl Fn(u64, &mut [f64])) -> Vec<f64> {
+        let n = self.functions.len();
+        let mut inputs = vec![0.0; n * whole(self.points * self.replicas)];
+        (0..).zip(inputs.chunks_exact_mut(n)).for_each(|(run, z)| fill(run, z));
+        inputs
+    }
+
+    /// The response at all samples, each followed by its linear surrogate if that is used.
+    fn rows(&self, inputs: &[f64]) -> Vec<f64> {
+        let slopes = self.slopes();
+        let linear = |z: &[f64]| z.iter().zip(&slopes).map(|(z, g)| z * g).sum::<f64>();
+        let rows = inputs.chunks_exact(slopes.len()).map(|z| [self.value(z, 1.0), linear(z)]);
+        rows.flat_map(|row| row.into_iter().take(1 + usize::from(self.is_controlled()))).collect()
+    }
+
+    fn surrogates(&self) -> Vec<Surrogate> {
+        let linear = Surrogate { mean: 0.0, variance: Some(self.length().powi(2)) };
+        vec![linear; usize::from(self.is_controlled())]
+    }
+
+    /// By independent samples.
+    fn sampled(&self) -> Result<Vec<(String, Number)>, Error> {
+        let rows = self.rows(&self.inputs(|run, z| self.samples().fill_normals(run, z)));
+        if self.method == "quantile" {
+            let [low, high] = quantile(&rows, self.at, 0.95)?.interval;
+            let (value, error) = (0.5 * (low + high), Some(0.5 * (high - low)));
+            let number = Number { value, error, error_kind: ErrorOrigin::Interval };
+            return Ok(named([("quantile", number)]));
+        }
+        let surrogates = &self.surrogates();
+        let samples = ControlledSamples { samples: &rows, surrogates, seed: self.seed };
+        let found = if self.is_controlled() { samples.estimate() } else { samples.raw() };
+        found.map(|found| moments(&found))
+    }
+
+    /// By replicas of scrambled Sobol' points.
+    fn designed(&self) -> Result<Vec<(String, Number)>, Error> {
         let cube = UnitCube {
             dimension: self.functions.len(),
             sampling: Sampling::ScrambledSobol,
@@ -283,94 +363,48 @@ impl Problem {
             n_points: self.points,
             n_replicas: self.replicas,
         };
-        let slopes = self.slopes();
-        let linear = |z: &[f64]| z.iter().zip(&slopes).map(|(z, g)| z * g).sum::<f64>();
-        let surrogates = [Surrogate { mean: 0.0, variance: Some(self.length().powi(2)) }];
-        let n_samples = self.points * self.replicas;
-        let independent = MonteCarlo { seed: self.seed, n_samples };
-        let rows = |inputs: &[f64], is_controlled: bool| -> Vec<f64> {
-            let of = |z: &[f64]| [self.value(z, 1.0), linear(z)];
-            let rows = inputs.chunks_exact(slopes.len()).map(of);
-            rows.flat_map(|row| row.into_iter().take(1 + usize::from(is_controlled))).collect()
-        };
-        let inputs = |fill: &dyn Fn(u64, &mut [f64])| {
-            let mut inputs = vec![0.0; slopes.len() * n_samples as usize];
-            (0..).zip(inputs.chunks_exact_mut(slopes.len())).for_each(|(run, z)| fill(run, z));
-            inputs
-        };
-        let designed = || {
-            let runs = cube.runs().map_err(RunError::solver)?;
-            Ok::<_, RunError>(inputs(&|run, z| runs.normals(run, z)))
-        };
-        let sampled = || inputs(&|run, z| independent.fill_normals(run, z));
-        let is_controlled = self.method.ends_with("controlled");
-        let used = &surrogates[..usize::from(is_controlled)];
-        let tail = TailSampling { model: self, level: self.at, seed: self.seed };
-        let found = match self.method.as_str() {
-            "cube" | "cube-controlled" => cube
-                .moments_of_runs(&rows(&designed()?, is_controlled), used)
-                .map(|found| moments(&found)),
+        if self.method == "indices" {
+            let response = |x: &[f64], y: &mut [f64]| {
+                let z: Vec<f64> = x.iter().map(|x| normal_quantile(*x)).collect();
+                y[0] = self.value(&z, 1.0);
+                Ok(())
+            };
+            let found = &cube.sobol_indices(1, response)?[0];
+            let mut all = named([("mean", found.mean.into()), ("variance", found.variance.into())]);
+            all.extend(indices([&found.first, &found.total], 0.0));
+            return Ok(all);
+        }
+        let runs = cube.runs()?;
+        let inputs = self.inputs(|run, z| runs.normals(run, z));
+        let rows = self.rows(&inputs);
+        match self.method.as_str() {
             "polynomial" => {
-                let inputs = designed()?;
-                let polynomial =
-                    PolynomialControl::new(&inputs, slopes.len(), self.replicas as usize).map_err(RunError::solver)?;
-                let found = polynomial.moments(&rows(&inputs, false)).map_err(RunError::solver)?;
+                let found =
+                    PolynomialControl::new(&inputs, self.functions.len(), whole(self.replicas))?
+                        .moments(&rows)?;
                 let mut all = moments(&found.moments);
                 // An index may be off by the unexplained part, besides its standard error.
-                let with_unexplained = |mut number: Number| {
-                    number.error = number.error.map(|error| error + found.unexplained);
-                    number
-                };
-                for (name, indices) in [("first", &found.first), ("total", &found.total)] {
-                    let numbers = indices.iter().map(|it| with_unexplained((*it).into()));
-                    all.extend(numbers.enumerate().map(|(i, it)| (format!("{name}/{i}"), it)));
-                }
+                all.extend(indices([&found.first, &found.total], found.unexplained));
                 Ok(all)
             }
-            "indices" => {
-                let response = |x: &[f64], y: &mut [f64]| {
-                    let z: Vec<f64> = x.iter().map(|x| normal_quantile(*x)).collect();
-                    y[0] = self.value(&z, 1.0);
-                    Ok(())
-                };
-                let found = &cube.sobol_indices(1, response).map_err(RunError::solver)?[0];
-                let mut all =
-                    named([("mean", found.mean.into()), ("variance", found.variance.into())]);
-                for (name, indices) in [("first", &found.first), ("total", &found.total)] {
-                    let numbers = indices.iter().map(|it| Number::from(*it));
-                    all.extend(numbers.enumerate().map(|(i, it)| (format!("{name}/{i}"), it)));
-                }
-                Ok(all)
+            "cube-quantile" => {
+                Ok(named([("quantile", cube.quantile_of_runs(&rows, self.at)?.into())]))
             }
-            "samples" | "samples-controlled" => {
-                let samples = rows(&sampled(), is_controlled);
-                let samples = ControlledSamples { samples: &samples, surrogates: used, seed: self.seed };
-                let found = if is_controlled { samples.estimate() } else { samples.raw() };
-                found.map(|found| moments(&found))
-            }
-            "quantile" => quantile(&rows(&sampled(), false), self.at, 0.95).map(|found| {
-                let [low, high] = found.interval;
-                let error = Some(0.5 * (high - low));
-                let value = 0.5 * (low + high);
-                named([("quantile", Number { value, error, error_kind: ErrorOrigin::Interval })])
-            }),
-            "cube-quantile" => cube
-                .quantile_of_runs(&rows(&designed()?, false), self.at)
-                .map(|found| named([("quantile", found.into())])),
-            "multilevel" => self.multilevel(),
-            "lines" => tail.design_point().and_then(|point| {
-                let found = tail.line_sampling(&point, n_samples.clamp(64, 1000))?;
-                Ok(named([("probability", found.probability.into())]))
-            }),
-            "subset" => {
-                let n_samples = (n_samples as usize).clamp(100, 1000);
-                let config =
-                    SubsetConfig { n_samples, correlation: 0.8, n_runs: self.replicas };
-                tail.subset(&config).map(|it| named([("probability", it.probability.into())]))
-            }
-            _ => return self.taylor(&independent).map_err(RunError::solver),
+            _ => cube.moments_of_runs(&rows, &self.surrogates()).map(|found| moments(&found)),
+        }
+    }
+
+    /// The probability of a rare event.
+    fn tail(&self) -> Result<Vec<(String, Number)>, Error> {
+        let tail = TailSampling { model: self, level: self.at, seed: self.seed };
+        let n_samples = self.samples().n_samples;
+        let found = if self.method == "lines" {
+            tail.line_sampling(&tail.design_point()?, n_samples.clamp(64, 1000))?
+        } else {
+            let n_samples = whole(n_samples).clamp(100, 1000);
+            tail.subset(&SubsetConfig { n_samples, correlation: 0.8, n_runs: self.replicas })?
         };
-        found.map_err(RunError::solver)
+        Ok(named([("probability", found.probability.into())]))
     }
 
     /// Mean and variance over levels whose parameters approach those of the response, with a bias or up to it.
@@ -380,14 +414,15 @@ impl Problem {
             let mut z = vec![0.0; self.functions.len()];
             MonteCarlo { seed: self.seed, n_samples: 0 }.fill_normals(realisation, &mut z);
             let is_last = is_exact && level == 4;
-            let scale = if is_last { 1.0 } else { 1.0 - 0.5_f64.powi(level as i32 + 1) };
+            let scale = if is_last { 1.0 } else { 1.0 - (0..=level).map(|_| 0.5).product::<f64>() };
             y[0] = self.value(&z, scale);
             Ok(())
         };
         let n_levels = if is_exact { 5 } else { 12 };
         let costs: Vec<f64> = (0..n_levels).map(|level| f64::from(level).exp2()).collect();
         let of = |statistic, tolerance| Target { response: 0, statistic, tolerance };
-        let open = if self.points > 8 { Tolerance::Relative(2.0 * self.at) } else { Tolerance::Open };
+        let open =
+            if self.points > 8 { Tolerance::Relative(2.0 * self.at) } else { Tolerance::Open };
         let targets =
             [of(Statistic::Mean, Tolerance::Relative(self.at)), of(Statistic::Variance, open)];
         let study = Multilevel {
@@ -408,10 +443,7 @@ impl Problem {
     }
 
     /// Moments from derivatives, which promise a tenth of the variance where their indicators are small, and samples with the series.
-    fn taylor(
-        &self,
-        samples: &MonteCarlo,
-    ) -> Result<Vec<(String, Number)>, perturbation_moments::Error> {
+    fn taylor(&self) -> Result<Vec<(String, Number)>, perturbation_moments::Error> {
         let of = |by: &[usize]| {
             let derivative = |k: usize| {
                 self.functions[k].derivatives()[by.iter().filter(|input| **input == k).count()]
@@ -428,7 +460,7 @@ impl Problem {
         let first_order = moments.variance_first_order();
         let is_trusted = moments.trust()?.verdict() == Trusted::InPeace;
         let error = is_trusted.then_some(0.1 * first_order);
-        let found = samples.judge(&inputs, &moments, |z| self.value(z, 1.0))?;
+        let found = self.samples().judge(&inputs, &moments, |z| self.value(z, 1.0))?;
         Ok(named([
             ("variance", Number::sampled(first_order, error)),
             ("mean", found.raw_mean.into()),
@@ -449,15 +481,44 @@ impl NormalModel for Problem {
     }
 }
 
+fn whole(n: u64) -> usize {
+    usize::try_from(n).unwrap_or(usize::MAX)
+}
+
+fn moments(found: &SampledMoments) -> Vec<(String, Number)> {
+    named([("mean", found.mean.into()), ("variance", found.variance.into())])
+}
+
+/// First-order and total indices, which may be off by more than their own errors.
+fn indices(found: [&Vec<Estimate>; 2], more: f64) -> Vec<(String, Number)> {
+    let number = |estimate: &Estimate| {
+        let number = Number::from(*estimate);
+        Number { error: number.error.map(|error| error + more), ..number }
+    };
+    let of = |(name, indices): (&'static str, &Vec<Estimate>)| {
+        let named = |(i, it)| (format!("{name}/{i}"), number(it));
+        indices.iter().enumerate().map(named).collect::<Vec<_>>()
+    };
+    ["first", "total"].into_iter().zip(found).flat_map(of).collect()
+}
+
 fn named<const N: usize>(numbers: [(&str, Number); N]) -> Vec<(String, Number)> {
     numbers.map(|(name, number)| (name.to_owned(), number)).into()
 }
 
 fn judge(problem: &Value, truths: &[Truth], _: Duration) -> Result<Vec<Verdict>, RunError> {
     let problem = Problem::read(problem).ok_or(RunError::NoKinds)?;
+    let variance = truths.iter().find(|truth| truth.id == "variance").map_or(0.0, |it| it.value);
+    let has_surrogate = ["polynomial", "taylor"].contains(&problem.method.as_str())
+        || problem.method.ends_with("controlled");
     let verdict = |(name, number): (String, Number)| {
         let truth = truths.iter().find(|truth| truth.id == name)?.clone();
-        Some(Verdict { truth, number, is_warned: false })
+        let scale = if name == "mean" { variance.sqrt() } else { 2.0 * variance };
+        let mut verdict = Verdict { truth, number, is_warned: false };
+        // Estimators with surrogates say in their documentation what events that no sample has met may change.
+        let unseen = 3.0 / (problem.points * problem.replicas) as f64 * scale;
+        verdict.is_warned = has_surrogate && !name.contains('/') && verdict.away() <= unseen;
+        Some(verdict)
     };
     Ok(problem.estimates()?.into_iter().filter_map(verdict).collect())
 }

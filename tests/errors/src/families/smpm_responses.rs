@@ -45,6 +45,7 @@ fn n_samples(method: &Value) -> Option<f64> {
 /// Distances of the points of a rule for one and for two inputs, in standard deviations, and how far they reach.
 const DISTANCES: [f64; 2] = [0.5, 1.2];
 const REACH: f64 = 6.0;
+const MOST_STEPS: i32 = 12;
 /// Kurtosis that few runs can show, and runs for each of it where there are more: what rarer events decide no run knows.
 const KURTOSIS: f64 = 8.0;
 const RUNS_OF_KURTOSIS: f64 = 4.0;
@@ -118,7 +119,8 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
         if hostile { draw.between(0.1, 0.6) } else { draw.scaled(0.01, 0.15) }
     };
     let first = usize::try_from(draw.whole(0, parameters.len() as u64 - 1)).unwrap_or_default();
-    let can_vary = scene["materials"]["m"]["strength"].is_object() && !parameters[first].ends_with("density");
+    let can_vary =
+        scene["materials"]["m"]["strength"].is_object() && !parameters[first].ends_with("density");
     let has_field = can_vary && draw.chance(0.2);
     if has_field {
         scene["random_fields"] = json!([{
@@ -159,8 +161,11 @@ fn method(
         let [low, high] = if hostile { [1e-5, 3.0] } else { usual };
         if hostile && draw.chance(0.3) { 1.0 } else { draw.scaled(low, high) }
     };
-    let (points, replicas) =
-        if hostile { (1 << draw.whole(1, 2), 8) } else { (1 << draw.whole(3, 5), draw.whole(8, 16)) };
+    let (points, replicas) = if hostile {
+        (1 << draw.whole(1, 2), 8)
+    } else {
+        (1 << draw.whole(3, 5), draw.whole(8, 16))
+    };
     let place = draw.whole(0, 11);
     let samples = if hostile { draw.whole(8, 24) } else { draw.whole(50, 400) };
     let control = draw.chance(0.5);
@@ -187,8 +192,11 @@ fn method(
         9 => {
             let tolerance = if hostile { draw.between(0.2, 0.6) } else { draw.between(0.08, 0.2) };
             let pilot = if hostile { 8 } else { 16 };
-            ("multilevel", json!({ "multilevel": { "tolerance": tolerance, "seed": seed,
-                "responses": "last_time", "pilot": pilot, "most_runs": 4000 } }))
+            (
+                "multilevel",
+                json!({ "multilevel": { "tolerance": tolerance, "seed": seed,
+                "responses": "last_time", "pilot": pilot, "most_runs": 4000 } }),
+            )
         }
         _ if control => ("monte-carlo-controlled", sampled(true)),
         _ => ("monte-carlo", sampled(false)),
@@ -239,13 +247,17 @@ struct Sums {
 
 impl Sums {
     /// Of `n` normals at equal distances, shifted by a part of it; none where runs fail that count.
-    fn new(study: &Study<'_, SceneExperiment<1>, 1>, n: usize, distance: f64, shift: f64) -> Option<Self> {
+    fn new(
+        study: &Study<'_, SceneExperiment<1>, 1>,
+        n: usize,
+        distance: f64,
+        shift: f64,
+    ) -> Option<Self> {
         let centre = study.centre().to_vec();
         let powers = vec![[0.0; 4]; centre.len()];
         let mut sums = Self { centre, weight: 0.0, failed: 0.0, powers };
-        let steps = (REACH / distance) as i32 + 1;
         let places: Vec<f64> =
-            (-steps..=steps).map(|k| distance * (f64::from(k) + shift)).collect();
+            (-MOST_STEPS..=MOST_STEPS).map(|k| distance * (f64::from(k) + shift)).collect();
         let others = if n > 1 { places.as_slice() } else { &[0.0] };
         for (x, y) in places.iter().flat_map(|x| others.iter().map(move |y| (*x, *y))) {
             let square = x * x + y * y;

@@ -52,9 +52,9 @@ const RUNS_OF_KURTOSIS: f64 = 4.0;
 /// Largest probability of points where the solver leaves its range, and distance of what they would have answered, in deviations.
 const MOST_FAILED: f64 = 1e-5;
 const FARTHEST: f64 = 100.0;
-/// Roundoff of a deviation over the mean; what events that no rule shows may change, over the deviation.
+/// Roundoff of a deviation over the mean; what events that no run meets may change, over the deviation.
 const ROUNDOFF: f64 = 1e-12;
-const RAREST: f64 = 1e-6;
+const RAREST: f64 = 1e-4;
 
 /// A material with its random parameters, a velocity, the speed of its waves, and two quantities.
 fn material(draw: &mut Draw) -> (Value, &'static [&'static str], f64, f64, [&'static str; 2]) {

@@ -1,8 +1,9 @@
 //! Answers of a scene of cracks: load, exit and length of cracks, and the probability of each outcome.
 
+use result_figures::number::counted;
 use scene_runs::answers::{Answer, AnswerValue, Answers, ErrorOrigin, Number, Role, Statistic};
 
-use super::record::{Distributed, Record};
+use super::record::{Distributed, LEAST_REALISATIONS, Record};
 
 /// Share of failed realisations above which the error of a mean over the others is unknown: they are not those of any strength.
 const MOST_FAILED: f64 = 0.02;
@@ -16,8 +17,13 @@ pub(super) fn answers(record: &Record, cpu_seconds: f64) -> Answers {
         let many_failed = n_failed as f64 > MOST_FAILED * n as f64;
         let value = |number: Number| {
             let mut number = number;
-            let mut remark = (law.realisations > 1 && number.error.is_none())
-                .then(|| "no realisation differs from another, error unknown".to_owned());
+            let mut remark = number.error.is_none().then(|| match law.realisations {
+                few @ ..LEAST_REALISATIONS => format!(
+                    "error unknown: {} without known scatter, run {LEAST_REALISATIONS} or more",
+                    counted(few, "realisation")
+                ),
+                _ => "no realisation differs from another, error unknown".to_owned(),
+            });
             if many_failed {
                 number = Number::sampled(number.value, None);
                 remark = Some(format!(

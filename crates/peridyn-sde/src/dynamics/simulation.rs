@@ -7,6 +7,7 @@ use crate::dynamics::config::SimulationConfig;
 use crate::dynamics::loading::Loading;
 use crate::dynamics::motion::{Column, Motion, of_lane};
 use crate::dynamics::report::StepReport;
+use crate::dynamics::scheme::Dynamics;
 use crate::error::Error;
 use crate::real::Real;
 use crate::steps::Stepper;
@@ -151,6 +152,16 @@ impl<T: Real, const D: usize, const L: usize> Simulation<T, D, L> {
     /// [`Error::Length`] for a number that no bond has.
     pub fn cut(&mut self, bonds: &[usize]) -> Result<(), Error> {
         self.motion.cut(&mut *self.body, bonds)
+    }
+
+    /// Whether the forces are those at the end of the last step, not at its start.
+    pub(crate) fn has_forces_of_end(&self) -> bool {
+        matches!(self.motion.config.dynamics, Dynamics::Inertial { .. })
+    }
+
+    /// Forces at the present displacements, at which no bond breaks.
+    pub(crate) fn evaluate_intact(&mut self) -> Result<(), Error> {
+        self.motion.evaluate_intact(&mut *self.body)
     }
 
     /// One step of the length `dt`. After an error the state is not to be used.

@@ -163,6 +163,8 @@ impl CrackStudy<'_> {
     }
 
     /// Steps to the end, while `goes_on` returns true.
+    ///
+    /// Mean loads of windows are by the trapezoidal rule over the ends of steps.
     fn follow<T: Real, const L: usize>(
         &self,
         simulation: &mut Simulation<T, 2, L>,
@@ -172,10 +174,19 @@ impl CrackStudy<'_> {
     ) -> Result<(), Error> {
         let (grip, component) = self.load;
         let window = n_steps / self.n_windows;
+        let against = self.resists_along();
+        let loads = |simulation: &Simulation<T, 2, L>| -> [f64; L] {
+            std::array::from_fn(|lane| -against * simulation.pull_on(grip, lane)[component])
+        };
+        // Forces are those at the start of a step, in inertial dynamics those at its end.
+        let lag = u64::from(!simulation.has_forces_of_end());
+        if lag == 0 && simulation.steps() == 0 {
+            seen.at_end_of(0, window, &loads(simulation));
+        }
         for step in simulation.steps() + 1..=n_steps {
             let done = step - 1;
             if (done == 0 || done % ASKED_EVERY == ASKED_AT) && !goes_on(done) {
-                break;
+                return Ok(());
             }
             let report = simulation.step()?;
             for event in report.broken.iter().filter(|event| event.cause != Cause::Cut) {
@@ -183,15 +194,21 @@ impl CrackStudy<'_> {
                     seen.histories[lane].push(BrokenInStep { step, bond: event.bond });
                 }
             }
-            for lane in 0..L {
-                seen.sums[lane] += simulation.pull_on(grip, lane)[component].abs();
-                if step % window == 0 {
-                    seen.loads[lane].push(seen.sums[lane] / window as f64);
-                    seen.sums[lane] = 0.0;
-                }
-            }
+            seen.at_end_of(step - lag, window, &loads(simulation));
+        }
+        if lag > 0 {
+            simulation.evaluate_intact()?;
+            seen.at_end_of(n_steps, window, &loads(simulation));
         }
         Ok(())
+    }
+
+    /// The sign of the displacement prescribed where the load is measured: a body that resists has a positive load, and noise alone
+    /// one of mean zero.
+    fn resists_along(&self) -> f64 {
+        let (grip, component) = self.load;
+        let moved: f64 = grip.iter().map(|&node| self.loading.field(node, 1.0)[component]).sum();
+        1.0_f64.copysign(moved)
     }
 }
 

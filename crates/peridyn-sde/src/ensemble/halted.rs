@@ -71,7 +71,7 @@ pub(super) struct SavedGroup {
 pub(super) struct LaneObservations {
     /// Mean load of each window that has ended (force).
     pub(super) loads: Vec<Vec<f64>>,
-    /// Loads of the window that has not, step by step (force).
+    /// Sum of the loads of the window that has not (force).
     pub(super) sums: Vec<f64>,
     pub(super) histories: Vec<Vec<BrokenInStep>>,
 }
@@ -84,6 +84,20 @@ impl LaneObservations {
             loads: vec![Vec::new(); lanes],
             sums: vec![0.0; lanes],
             histories: vec![history; lanes],
+        }
+    }
+
+    /// Takes in the loads of all lanes at the end of a step, of which a window has so many; half of one counts at its ends.
+    pub(super) fn at_end_of(&mut self, step: u64, window: u64, loads: &[f64]) {
+        for (lane, &load) in loads.iter().enumerate() {
+            if !step.is_multiple_of(window) {
+                self.sums[lane] += load;
+                continue;
+            }
+            if step > 0 {
+                self.loads[lane].push((self.sums[lane] + 0.5 * load) / window as f64);
+            }
+            self.sums[lane] = 0.5 * load;
         }
     }
 }

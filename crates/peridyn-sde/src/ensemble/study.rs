@@ -149,8 +149,9 @@ pub struct CrackStudy<'a> {
     pub procedure: Procedure<'a>,
     /// Load measurement: prescribed nodes, and the component of the force.
     pub load: (&'a [usize], usize),
-    /// Load is averaged over so many windows of equal length, without the remainder of the steps; the largest mean is the failure
-    /// load. Under a quasi-static load it is that at the end of each window, and the failure load the largest of all.
+    /// Load is averaged over so many windows of equal length, without the remainder of the steps, by the trapezoidal rule; the
+    /// largest mean is the failure load. A load is positive where the body resists the displacement prescribed there. Under a
+    /// quasi-static load it is that at the end of each window, and the failure load the largest of all.
     pub n_windows: u64,
     /// What counts as a crack.
     pub path: PathConfig,

@@ -1,8 +1,11 @@
 //! Scenes with known answers, by solver.
 
+mod crack_inference;
 mod density_methods;
 mod estimators;
 mod linear_systems;
+mod peridyn_linear;
+mod peridyn_weakest_link;
 mod scalar_systems;
 mod smpm_responses;
 mod stationary_oscillators;
@@ -17,4 +20,7 @@ pub const ALL: &[Family] = &[
     stationary_oscillators::FAMILY,
     smpm_responses::FAMILY,
     estimators::FAMILY,
+    peridyn_linear::FAMILY,
+    peridyn_weakest_link::FAMILY,
+    crack_inference::FAMILY,
 ];

@@ -7,6 +7,9 @@ use serde_json::Value;
 
 use crate::{Draw, Truth, Verdict};
 
+/// Numbers of a scene beside their truths, by a run no longer than allowed.
+pub type Judge = fn(&Value, &[Truth], Duration) -> Result<Vec<Verdict>, RunError>;
+
 /// Scenes of one kind whose answers are known.
 #[derive(Debug, Clone, Copy)]
 pub struct Family {

@@ -112,6 +112,28 @@ impl Plate {
 }
 
 #[test]
+fn mean_loads_converge_with_the_square_of_the_step_and_noise_alone_has_loads_of_both_signs() {
+    let mut plate = Plate::lattice();
+    let mut loads = |(dt, n_steps): (f64, u64), temperature: f64, n_windows: u64| {
+        let dynamics = overdamped(plate.free(), Scheme::Heun, temperature);
+        plate.simulation = in_time(dynamics, dt, SEED);
+        let simulation = &plate.simulation;
+        let procedure = Procedure::Dynamic { simulation, n_steps };
+        let study = plate.study(Strength::Uniform(1.0), Stiffness::Uniform);
+        CrackStudy { procedure, n_windows, ..study }.run(0..1, &[]).unwrap().loads.swap_remove(0)
+    };
+    let [coarse, middle, fine] = [(0.2, 20), (0.1, 40), (0.05, 80)].map(|it| loads(it, 0.0, 1)[0]);
+    let ratio = (coarse - middle) / (middle - fine);
+    // Of first order it is 2, of second order 4; the load at ends of steps alone is off by one part in 40.
+    assert!((3.0..5.0).contains(&ratio), "{ratio}");
+    assert!((coarse / fine - 1.0).abs() < 2e-3, "{coarse} {fine}");
+    // Its deviation is far above the pull of the ramp; a mean size would be positive in all windows.
+    let noisy = loads((0.2, 40), 1e-3, 40);
+    let n_positive = noisy.iter().filter(|&&load| load > 0.0).count();
+    assert!((1..40).contains(&n_positive), "{noisy:?}");
+}
+
+#[test]
 fn a_study_on_a_lattice_has_the_cracks_of_one_in_a_list() {
     let plate = Plate::lattice();
     let (strength, _) = plate.field(STRETCH, 0);

@@ -81,7 +81,9 @@ fn posterior(keys: &Value, truths: &[Truth]) -> Result<Vec<Verdict>, Error> {
         let row = |_| stream.next_normal_pair().map(|z| mean + scatter * z).to_vec();
         let mut rows: Vec<Vec<f64>> = (0..n).map(row).collect();
         // The second summary of the data is moved against the first, whatever the parameter.
-        rows.iter_mut().for_each(|row| row[1] += offset * key("scatter"));
+        for row in &mut rows {
+            row[1] += offset * key("scatter");
+        }
         Summaries::new(&rows, Absent::default())
     };
     let [low, high] = BOUNDS;

@@ -277,8 +277,11 @@ impl Mode {
 
 /// What becomes of a state over a time, and the covariance that noise makes.
 fn over(flow: &Matrix, noise: &Matrix, time: f64) -> (Matrix, Matrix) {
-    let doublings = (time * flow.norm() / 0.05).max(1.0).log2().ceil();
-    let step = time / doublings.exp2();
+    let (mut step, mut doublings) = (time, 0);
+    while step * flow.norm() > 0.05 {
+        step *= 0.5;
+        doublings += 1;
+    }
     let exp = |h: f64| {
         let (mut sum, mut term) = (Matrix::identity(), Matrix::identity());
         for k in 1..=10 {
@@ -293,7 +296,7 @@ fn over(flow: &Matrix, noise: &Matrix, time: f64) -> (Matrix, Matrix) {
         made += map * noise * map.transpose() * (weight / 18.0 * step);
     }
     let mut map = exp(step);
-    for _ in 0..doublings as u32 {
+    for _ in 0..doublings {
         made += map * made * map.transpose();
         map *= map;
     }

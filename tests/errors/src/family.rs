@@ -26,6 +26,3 @@ pub struct Family {
     /// Runs a scene, no longer than allowed, and compares its numbers with what is known.
     pub judge: Judge,
 }
-
-/// Runs a scene, no longer than allowed, and compares its numbers with what is known.
-pub type Judge = fn(&Value, &[Truth], Duration) -> Result<Vec<Verdict>, RunError>;

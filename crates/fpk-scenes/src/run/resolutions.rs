@@ -44,6 +44,8 @@ struct Coarser {
     ratio: f64,
     /// The same run with settling half as fast, in four states and more.
     slower: Option<DensityRun>,
+    /// The same run with half the step, where a limit of stability gave it the steps of the fine run.
+    halved: Option<DensityRun>,
     /// A third, coarser run and the ratio of its spacing to that of this run; none if its lattice is too coarse for the problem.
     coarsest: Option<(DensityRun, f64)>,
 }
@@ -101,6 +103,12 @@ impl Resolutions {
                             Err(error) => slow_failure = error.to_string(),
                         }
                     }
+                    let halved = match with_half_the_step(&config, &fine, &run, interval) {
+                        Some(config) => {
+                            solve(&format!("{name}, with half the step"), &config)?.ok()
+                        }
+                        None => None,
+                    };
                     // If this lattice is too coarse for the problem, the estimate uses two resolutions.
                     let coarsest = match at(part * part) {
                         Some((config, of_fine)) if of_fine > ratio => {
@@ -109,7 +117,7 @@ impl Resolutions {
                         }
                         _ => None,
                     };
-                    coarser.push(Coarser { run, ratio, slower, coarsest });
+                    coarser.push(Coarser { run, ratio, slower, halved, coarsest });
                     if complete {
                         break;
                     }
@@ -174,7 +182,8 @@ impl Resolutions {
     }
 
     /// The fine value with the error by coarser runs ([`error_of_finest`]) and that of settling where a run shows it, as independent
-    /// parts. The second is `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast.
+    /// parts. The second is `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast. Where both runs took
+    /// the same steps, a third is the difference that half the step makes to the coarse one.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {
             let value = pick(row)?;
@@ -187,7 +196,10 @@ impl Resolutions {
                     Some(resolution_error::Coarser { value: pick(run.at(row.t)?)?, ratio: *ratio })
                 });
                 let coarse = resolution_error::Coarser { value: coarse, ratio: coarser.ratio };
-                let error = error_of_finest(value, coarse, coarsest, ORDERS).hypot(settling);
+                let halved = coarser.halved.as_ref().and_then(|halved| pick(halved.at(row.t)?));
+                let steps = halved.map_or(0.0, |halved| (coarse.value - halved).abs());
+                let error = error_of_finest(value, coarse, coarsest, ORDERS);
+                let error = error.hypot(settling).hypot(steps);
                 error.is_finite().then_some(error)
             };
             Some(Observed::by_two(row.t, value, self.coarser.iter().find_map(estimate)))
@@ -215,6 +227,24 @@ fn with_longer_steps<const D: usize>(config: Config<D>, part: f64, interval: f64
         f64::from(steps.coarse) / interval
     })
 }
+
+/// The configuration of a coarser run with half the step, if a limit of stability gave it about as many steps as the fine run.
+fn with_half_the_step<const D: usize>(
+    config: &Config<D>,
+    fine: &DensityRun,
+    coarse: &DensityRun,
+    interval: f64,
+) -> Option<Config<D>> {
+    let steps = |run: &DensityRun| run.work.steps as f64 / run.rows.len() as f64;
+    let is_of_period =
+        matches!(config.method.combination_in(D).step, StepRule::PeriodFraction { .. });
+    let are_same = steps(coarse) > MOST_ALIKE * steps(fine);
+    let halved = || with_steps(config.clone(), |_| 2.0 * steps(fine) / interval);
+    (is_of_period && are_same).then(halved)
+}
+
+/// Steps of a coarser run over those of the fine one, above which their difference does not show the error of the steps.
+const MOST_ALIKE: f64 = 0.85;
 
 /// The configuration with a whole number of steps in an interval between observations, two at least, so that a coarser run has fewer.
 pub(super) fn with_steps_of_interval<const D: usize>(
@@ -293,6 +323,25 @@ mod tests {
             work: fpk_sph::Work::default(),
             stopped: None,
         }
+    }
+
+    #[test]
+    fn a_run_with_the_steps_of_the_fine_one_is_repeated_with_half_the_step() {
+        // Both take 40 steps in two intervals; a step h leaves h^2.
+        let at = |steps: u64, h: f64| {
+            let work = fpk_sph::Work { steps, ..fpk_sph::Work::default() };
+            DensityRun { work, ..run(1.0 + h * h, &[1.0, 2.0]) }
+        };
+        let both = Resolutions::new(at(40, 0.1), (config, 1.0), |_, config| {
+            let per_period = match config.method.combination_in(2).step {
+                StepRule::PeriodFraction { steps_per_period } => steps_per_period,
+                _ => f64::NAN,
+            };
+            let is_halved = (per_period - 40.0).abs() < 1e-9;
+            Ok::<_, std::convert::Infallible>(Ok(at(40, if is_halved { 0.05 } else { 0.1 })))
+        });
+        let error = both.unwrap().values(|row| Some(row.moments[0]))[0].error.unwrap();
+        assert!((error - 0.75 * 0.01).abs() < 1e-12, "{error}");
     }
 
     #[test]

@@ -69,7 +69,8 @@ impl Visitor for TailsOf<'_> {
         let found = match self.how {
             Estimator::Guided { samples } => {
                 let order = order(self.system.kinks());
-                let step = self.system.reference_period() / STEPS_OF_GUIDE;
+                let period = self.scene.reference_period(self.system.reference_period());
+                let step = period / STEPS_OF_GUIDE;
                 let rule = Linearisation { order, step };
                 self.guided::<D>(samples, &|law, span, weights| {
                     let paths = system.guided(law, span, &rule)?;

@@ -196,11 +196,12 @@ fn expanded<const D: usize>(
         let errors = study.series_errors(&series, step)?;
         let responses = table.each(|i, response| {
             let SeriesError { mean, standard_deviation } = errors[i];
-            let (mean_error, standard_deviation_error) = (Some(mean), Some(standard_deviation));
+            let known = |error: f64| Some(error).filter(|error| error.is_finite());
+            let (mean_error, standard_deviation_error) = (known(mean), known(standard_deviation));
             let response = table.taylor(i, response, &series[i], None)?;
             Ok(Response { mean_error, standard_deviation_error, ..response })
         })?;
-        Ok::<_, Error>((responses, study.n_check_runs()))
+        Ok::<_, Error>((responses, study.n_check_runs(step)))
     };
     Ok(match table.scene.method {
         MethodScene::Deterministic

@@ -19,6 +19,14 @@ const COVERAGE: f64 = 2.0;
 /// Step of differences, in standard deviations, above which check runs at one deviation are too near to those of the series.
 const WIDE: f64 = 0.5;
 
+/// Distance of the two runs that look for a response that changes its course, such as by yielding, in standard deviations.
+const FAR: f64 = 3.0;
+/// Distance of these runs over that of the others, below which they would show nothing new.
+const FARTHER: f64 = 1.2;
+/// What a kink at $a = \sqrt3$, from which the response departs by $e$ at three deviations, changes of mean and deviation, over $e$:
+/// $(\phi(a) - a Q(a))/(3 - a)$ and $Q(a)/(3 - a)$.
+const OF_KINK: [f64; 2] = [0.0134, 0.033];
+
 /// Seed of the signs of many normals.
 const SEED: u64 = 0x5eed;
 
@@ -40,6 +48,10 @@ const SEED: u64 = 0x5eed;
 ///
 /// $$ 2 \bar r + \sqrt{s^2 + \tfrac12 \sum_k h_k^2 + (2 \bar c)^2} - s . $$
 ///
+/// Two more runs lie at three deviations along the first direction, beyond the others. What they depart from the polynomial through all
+/// before, with $r$ as a third and $c$ as a second power, is taken as a kink at $\sqrt3$ deviations. If one of them fails, the errors are
+/// infinite.
+///
 /// Own curvatures of one-sided differences, which have none, are in $\bar c$ by their sum.
 /// So a response that jumps between neighbouring inputs, as where particles fail in one run and not in the next, has an error as large
 /// as its deviation, however small the step of the differences.
@@ -52,31 +64,60 @@ pub struct SeriesError {
 }
 
 impl SeriesError {
-    /// From the responses at both ends of each direction.
-    fn new(series: &Series, directions: &[Vec<f64>], distance: f64, pairs: &[[f64; 2]]) -> Self {
-        let (mut odd, mut even) = (0.0, 0.0);
-        let square = distance * distance;
-        // The squares of signs are one: the curvature of the series is in its mean.
-        let curved = series.value + square * (series.mean() - series.value);
-        for ([plus, minus], u) in pairs.iter().zip(directions) {
-            let slope: f64 = series.gradient.iter().zip(u).map(|(g, u)| g * u).sum();
-            odd += (0.5 * (plus - minus) / distance - slope).powi(2);
-            even += (0.5 * ((plus - curved) + (minus - curved)) / square).powi(2);
-        }
-        let n = pairs.len().max(1) as f64;
-        let [odd, even] = [odd, even].map(|sum| COVERAGE * (sum / n).sqrt());
+    /// From the responses at both ends of each direction, and farther along the first one.
+    fn new(
+        series: &Series,
+        directions: &[Vec<f64>],
+        (distance, pairs): (f64, &[[f64; 2]]),
+        far: Option<(f64, [f64; 2])>,
+    ) -> Self {
+        let slopes = directions
+            .iter()
+            .map(|u| series.gradient.iter().zip(u).map(|(g, u)| g * u).sum::<f64>());
+        let residuals: Vec<[f64; 2]> = pairs
+            .iter()
+            .zip(slopes)
+            .map(|(ends, slope)| residuals_of(series, slope, distance, ends))
+            .collect();
+        let n = residuals.len().max(1) as f64;
+        let mean_square = |k: usize| residuals.iter().map(|r| r[k] * r[k]).sum::<f64>() / n;
+        let [odd, even] = [0, 1].map(|k| COVERAGE * mean_square(k).sqrt());
         let curved = series.surrogate_variance() + even * even;
         let standard_deviation = odd + (curved.sqrt() - series.variance().sqrt());
         let deviation = series.variance().sqrt();
         let unsure = if deviation > 0.0 { odd / deviation } else { 0.0 };
         let mean = even + unsure * (series.mean() - series.value).abs();
-        Self { mean, standard_deviation }
+        let kink = far.zip(residuals.first()).zip(directions.first()).map_or(
+            0.0,
+            |(((far, ends), [odd, even]), u)| {
+                let slope: f64 = series.gradient.iter().zip(u).map(|(g, u)| g * u).sum();
+                let [odd_far, even_far] = residuals_of(series, slope, far, &ends);
+                let (ratio, square) = (far / distance, far * far);
+                let odd = far * (odd_far - odd * ratio * ratio);
+                let even = square * (even_far - even);
+                COVERAGE * (odd.abs() + even.abs())
+            },
+        );
+        let [of_mean, of_deviation] = OF_KINK;
+        Self {
+            mean: mean + of_mean * kink,
+            standard_deviation: standard_deviation + of_deviation * kink,
+        }
     }
 }
 
+/// The residuals `r` and `c` at both ends of a direction.
+fn residuals_of(series: &Series, slope: f64, distance: f64, [plus, minus]: &[f64; 2]) -> [f64; 2] {
+    let square = distance * distance;
+    // The squares of signs are one: the curvature of the series is in its mean.
+    let curved = series.value + square * (series.mean() - series.value);
+    let odd = 0.5 * (plus - minus) / distance - slope;
+    [odd, 0.5 * ((plus - curved) + (minus - curved)) / square]
+}
+
 impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
-    /// Errors of the series of all responses, of differences with this step in standard deviations, from four whole runs that they
-    /// have not used; two for one random input.
+    /// Errors of the series of all responses, of differences with this step in standard deviations, from up to six whole runs that they
+    /// have not used.
     ///
     /// # Errors
     /// [`Error::NoSuchResponse`] for another number of series; those of the experiment and of a run.
@@ -87,29 +128,45 @@ impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
         }
         let directions = self.check_directions();
         let distance = check_distance(self.inputs.n_random(), step);
-        let ends: Vec<(usize, f64)> =
-            (0..directions.len()).flat_map(|k| [(k, 1.0), (k, -1.0)]).collect();
-        let run = |&(k, side): &(usize, f64)| {
-            let normals: Vec<f64> =
-                directions[k].iter().map(|sign| side * distance * sign).collect();
+        let far = self.far_distance(distance);
+        let near = (0..directions.len()).map(|k| (k, distance));
+        let ends: Vec<(usize, f64)> = near
+            .chain(far.map(|far| (0, far)))
+            .flat_map(|(k, distance)| [(k, distance), (k, -distance)])
+            .collect();
+        let run = |&(k, distance): &(usize, f64)| {
+            let normals: Vec<f64> = directions[k].iter().map(|sign| distance * sign).collect();
             let mut simulation = self.simulation_at(&normals)?;
-            let name = format!("check run at {side} along {k}");
+            let name = format!("check run at {distance} along {k}");
             self.runs.follow(name, &mut simulation, &Plain, ()).map(|(values, ())| values)
         };
-        let ends: Vec<Vec<f64>> =
-            map_in_order(&ends, &run).into_iter().collect::<Result<_, _>>()?;
+        let mut near = map_in_order(&ends, &run);
+        let far_ends: Option<Vec<Vec<f64>>> =
+            near.split_off(2 * directions.len()).into_iter().collect::<Result<_, _>>().ok();
+        let ends: Vec<Vec<f64>> = near.into_iter().collect::<Result<_, _>>()?;
         let of = |(response, series): (usize, &Series)| {
-            let pairs: Vec<[f64; 2]> =
-                ends.chunks_exact(2).map(|pair| [pair[0][response], pair[1][response]]).collect();
-            SeriesError::new(series, &directions, distance, &pairs)
+            let pair = |ends: &[Vec<f64>]| [ends[0][response], ends[1][response]];
+            let pairs: Vec<[f64; 2]> = ends.chunks_exact(2).map(pair).collect();
+            let far = far.map(|far| {
+                let failed = [f64::INFINITY; 2];
+                (far, far_ends.as_ref().map_or(failed, |ends| pair(ends)))
+            });
+            SeriesError::new(series, &directions, (distance, &pairs), far)
         };
         Ok(series.iter().enumerate().map(of).collect())
     }
 
+    /// Distance of the farther runs for every normal, where it is beyond that of the others.
+    fn far_distance(&self, distance: f64) -> Option<f64> {
+        let far = FAR / (self.inputs.n_random() as f64).sqrt();
+        (far > FARTHER * distance).then_some(far)
+    }
+
     /// Number of runs of [`series_errors`](Self::series_errors).
     #[must_use]
-    pub fn n_check_runs(&self) -> u64 {
-        2 * self.check_directions().len() as u64
+    pub fn n_check_runs(&self, step: f64) -> u64 {
+        let far = self.far_distance(check_distance(self.inputs.n_random(), step));
+        2 * (self.check_directions().len() as u64 + u64::from(far.is_some()))
     }
 
     /// Different directions of signs.
@@ -155,7 +212,7 @@ mod tests {
             [at(1.0), at(-1.0)]
         };
         let pairs: Vec<[f64; 2]> = directions.iter().map(ends).collect();
-        SeriesError::new(&series, &directions, distance, &pairs)
+        SeriesError::new(&series, &directions, (distance, &pairs), None)
     }
 
     #[test]
@@ -170,10 +227,42 @@ mod tests {
             let gradient = vec![0.5 * (plus - minus) / step];
             let curvature = vec![(plus + minus - 2.0) / (step * step)];
             let series = Series { value: 1.0, gradient, curvature, mixed_squares: None };
-            let found = SeriesError::new(&series, &[vec![1.0]], distance, &[pair(distance)]);
+            let far = Some((FAR, pair(FAR)));
+            let near = (distance, &[pair(distance)][..]);
+            let found = SeriesError::new(&series, &[vec![1.0]], near, far);
             assert!((series.mean() - mean).abs() <= found.mean, "{step}: {found:?}");
             let off = (series.gradient[0] - slope).abs();
             assert!(off <= found.standard_deviation, "{step}: {off} {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_kink_beyond_the_check_runs_is_in_the_error() {
+        for kink in [1.8, 2.0, 2.5] {
+            let y = |t: f64| t - 0.7 * (t - kink).max(0.0);
+            let pair = |t: f64| [y(t), y(-t)];
+            let series = Series {
+                value: 0.0,
+                gradient: vec![1.0],
+                curvature: Vec::new(),
+                mixed_squares: None,
+            };
+            let (near, far) = ((3.0_f64.sqrt(), [pair(3.0_f64.sqrt())]), Some((FAR, pair(FAR))));
+            let found = SeriesError::new(&series, &[vec![1.0]], (near.0, &near.1), far);
+            // Moments by the trapezoidal rule.
+            let h = 1e-3;
+            let sum = |f: &dyn Fn(f64) -> f64| -> f64 {
+                let at = |k: i32| f64::from(k) * h;
+                (-9000..=9000).map(|k| f(y(at(k))) * (-0.5 * at(k) * at(k)).exp()).sum::<f64>() * h
+                    / std::f64::consts::TAU.sqrt()
+            };
+            let mean = sum(&|y| y);
+            let deviation = (sum(&|y| y * y) - mean * mean).sqrt();
+            assert!(
+                mean.abs() <= found.mean && mean.abs() > 0.02 * found.mean,
+                "{kink}: {found:?}"
+            );
+            assert!((deviation - 1.0).abs() <= found.standard_deviation, "{kink}: {found:?}");
         }
     }
 

@@ -74,8 +74,14 @@ fn truths(scene: &FpkScene, system: &System) -> Option<Vec<Truth>> {
         return None;
     }
     let (times, demand) = (scene.times.list(), scene.demand(system.states()).ok()?);
+    // Steps end at kinks of a window, across which they would lose their order.
+    let mut stops = [scene.system.kinks(), times.clone()].concat();
+    stops.retain(|t| *t > 0.0 && times.last().is_some_and(|last| t <= last));
+    stops.sort_by(f64::total_cmp);
+    stops.dedup();
     let mut truths = Vec::new();
-    for (&t, law) in times.iter().zip(laws_of(&scene.initial, system, &times)) {
+    let laws = laws_of(&scene.initial, system, &stops);
+    for (t, law) in stops.into_iter().zip(laws).filter(|(t, _)| times.contains(t)) {
         let mut known = |id: String, value: f64| {
             truths.push(Truth { id, time: Some(t), value, error: ERROR_OF_TRUTH * value.abs() });
         };

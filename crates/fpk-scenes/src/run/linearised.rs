@@ -28,6 +28,9 @@ const RATIO: f64 = 1.5;
 /// Steps of an interval between observations with which there are two coarser runs.
 const FEWEST_STEPS: f64 = 4.0;
 
+/// Steps of the shortest period of a linear system, at the least: the coarser runs then converge, with twice that step too.
+const STEPS_OF_PERIOD: f64 = 24.0;
+
 /// A system that the check of the scene rejects.
 #[derive(Debug, thiserror::Error)]
 #[error("linearisation needs additive noise")]
@@ -67,7 +70,8 @@ impl Linearised<'_> {
         // A linear system keeps a normal distribution, so the only error is that of Runge-Kutta 4.
         let is_exact = named.is_linear() && law.components().len() == 1;
         let every = scene.times.every;
-        let steps = StepsOfInterval::new((every / step).max(FEWEST_STEPS), RATIO);
+        let shortest = named.reference_period() / STEPS_OF_PERIOD;
+        let steps = StepsOfInterval::new((every / step.min(shortest)).max(FEWEST_STEPS), RATIO);
         // Of an interval, and not below it by roundoff.
         let length = |n: u32| every / f64::from(n) * (1.0 + 1e-9);
         let fine =

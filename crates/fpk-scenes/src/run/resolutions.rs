@@ -15,6 +15,8 @@ const COARSER: [f64; 3] = [std::f64::consts::FRAC_1_SQRT_2, 0.8, 0.9];
 
 /// Orders of the error in the spacing: the one that the verification measures, and that of the cubic fit.
 const ORDERS: Orders = Orders { of_method: 2.0, largest: 4.0 };
+/// With a third run an observed order counts up to this one: smooth densities converge faster than the verification asks for.
+const OBSERVED: Orders = Orders { of_method: 3.0, largest: 4.0 };
 
 /// A fine run, and the coarser runs for its error.
 pub(super) struct Resolutions {
@@ -44,10 +46,45 @@ struct Coarser {
     ratio: f64,
     /// The same run with settling half as fast, in four states and more.
     slower: Option<DensityRun>,
-    /// The same run with half the step, where a limit of stability gave it the steps of the fine run.
-    halved: Option<DensityRun>,
     /// A third, coarser run and the ratio of its spacing to that of this run; none if its lattice is too coarse for the problem.
     coarsest: Option<(DensityRun, f64)>,
+    /// Other steps on the coarsest lattice that came as far as this run; none by a rule whose steps follow the spacing.
+    steps: Option<OtherSteps>,
+}
+
+/// Runs on one lattice with other steps than those of the fine run.
+struct OtherSteps {
+    /// Whether the lattice is that of the third run.
+    on_coarsest: bool,
+    runs: StepRuns,
+}
+
+enum StepRuns {
+    /// Longer steps, with the ratio to those of the next shorter ones.
+    Longer { coarse: (DensityRun, f64), coarsest: Option<(DensityRun, f64)> },
+    /// Half the step, where a limit of stability does not let it be longer.
+    Halved(DensityRun),
+    /// None came so far.
+    Failed,
+}
+
+impl StepRuns {
+    /// The error of the steps of a run with this value.
+    fn error(&self, value: f64, pick: impl Fn(&DensityRun) -> Option<f64>) -> Option<f64> {
+        match self {
+            Self::Failed => None,
+            Self::Halved(run) => Some((value - pick(run)?).abs()),
+            Self::Longer { coarse, coarsest } => {
+                let at = |(run, ratio): &(DensityRun, f64)| {
+                    Some(resolution_error::Coarser { value: pick(run)?, ratio: *ratio })
+                };
+                let coarsest = coarsest.as_ref().and_then(at);
+                let of_method = if coarsest.is_some() { 4.0 } else { 2.0 };
+                let orders = Orders { of_method, largest: 4.0 };
+                Some(error_of_finest(value, at(coarse)?, coarsest, orders))
+            }
+        }
+    }
 }
 
 impl Resolutions {
@@ -56,7 +93,8 @@ impl Resolutions {
     /// as fast ([`Config::with_slower_settling`]).
     ///
     /// The first argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
-    /// `interval` is that between observations in reference periods. The steps of a coarser run are longer too ([`with_longer_steps`]). A failure of a coarser run does not count against
+    /// `interval` is that between observations in reference periods. The error of the steps is measured on the coarsest lattice, by runs
+    /// with longer ones ([`step_runs`]). A failure of a coarser run does not count against
     /// the fine one.
     ///
     /// # Errors
@@ -69,11 +107,11 @@ impl Resolutions {
         let (mut coarser, mut failed) = (Vec::new(), Vec::new());
         let resolution = config(1.0).map_or(f64::NAN, |config| per_length(&config.lattice));
         let mut slow_failure = "no coarser run came so far".to_owned();
-        // Configuration at a part of the resolution, with longer steps, and the ratio of its spacing to that of the fine run.
+        // Configuration at a part of the resolution, and the ratio of its spacing to that of the fine run.
         let at = |part: f64| {
             let config = config(part)?;
             let ratio = resolution / per_length(&config.lattice);
-            let config = with_longer_steps(config, part, interval);
+            let config = with_steps_of_interval(config, interval);
             Some((within_the_work_of(&fine, config), ratio))
         };
         let name_of = |part: f64| format!("density at {part:.3} of the resolution");
@@ -103,21 +141,23 @@ impl Resolutions {
                             Err(error) => slow_failure = error.to_string(),
                         }
                     }
-                    let halved = match with_half_the_step(&config, &fine, &run, interval) {
-                        Some(config) => {
-                            solve(&format!("{name}, with half the step"), &config)?.ok()
-                        }
-                        None => None,
-                    };
                     // If this lattice is too coarse for the problem, the estimate uses two resolutions.
-                    let coarsest = match at(part * part) {
-                        Some((config, of_fine)) if of_fine > ratio => {
-                            let run = solve(&name_of(part * part), &config)?;
-                            run.ok().map(|run| (run, of_fine / ratio))
-                        }
-                        _ => None,
+                    let mut third = None;
+                    if let Some((config, of_fine)) = at(part * part).filter(|it| it.1 > ratio) {
+                        let run = solve(&name_of(part * part), &config)?;
+                        third = run.ok().map(|run| (run, of_fine / ratio, config));
+                    }
+                    let on_coarsest =
+                        third.as_ref().filter(|(third, ..)| third.rows.len() >= run.rows.len());
+                    let base = on_coarsest.map_or((&config, &run), |(run, _, of)| (of, run));
+                    let other = |words: &str, config: &Config<D>| {
+                        solve(&format!("{name}, with {words}"), config)
                     };
-                    coarser.push(Coarser { run, ratio, slower, halved, coarsest });
+                    let steps = step_runs(base, interval, other)?;
+                    let on_coarsest = on_coarsest.is_some();
+                    let steps = steps.map(|runs| OtherSteps { on_coarsest, runs });
+                    let coarsest = third.map(|(run, ratio, _)| (run, ratio));
+                    coarser.push(Coarser { run, ratio, slower, coarsest, steps });
                     if complete {
                         break;
                     }
@@ -182,8 +222,8 @@ impl Resolutions {
     }
 
     /// The fine value with the error by coarser runs ([`error_of_finest`]) and that of settling where a run shows it, as independent
-    /// parts. The second is `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast. Where both runs took
-    /// the same steps, a third is the difference that half the step makes to the coarse one.
+    /// parts. The second is `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast; a third is the error of
+    /// the steps on the coarsest lattice.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {
             let value = pick(row)?;
@@ -196,10 +236,14 @@ impl Resolutions {
                     Some(resolution_error::Coarser { value: pick(run.at(row.t)?)?, ratio: *ratio })
                 });
                 let coarse = resolution_error::Coarser { value: coarse, ratio: coarser.ratio };
-                let halved = coarser.halved.as_ref().and_then(|halved| pick(halved.at(row.t)?));
-                let steps = halved.map_or(0.0, |halved| (coarse.value - halved).abs());
-                let error = error_of_finest(value, coarse, coarsest, ORDERS);
-                let error = error.hypot(settling).hypot(steps);
+                let orders = if coarsest.is_some() { OBSERVED } else { ORDERS };
+                let error = error_of_finest(value, coarse, coarsest, orders).hypot(settling);
+                let of_steps = |OtherSteps { on_coarsest, runs }: &OtherSteps| {
+                    let base = if *on_coarsest { coarsest?.value } else { coarse.value };
+                    runs.error(base, |run| pick(run.at(row.t)?))
+                };
+                let steps = coarser.steps.as_ref().map_or(Some(0.0), of_steps)?;
+                let error = error.hypot(steps);
                 error.is_finite().then_some(error)
             };
             Some(Observed::by_two(row.t, value, self.coarser.iter().find_map(estimate)))
@@ -216,35 +260,40 @@ fn slower_of<const D: usize>(config: &Config<D>) -> Option<Config<D>> {
     if D >= SHARED_FROM { config.with_slower_settling() } else { None }
 }
 
-/// The configuration with steps longer by the square of the ratio of the spacings, where the rule is a fraction of the period.
-///
-/// An error of first order in the step then falls like one of second order in the spacing, which the estimate assumes; one
-/// of a higher order is overestimated. The diffusion limit and the Courant rule follow the spacing by themselves. An interval between
-/// observations has fewer steps in any case, so that the two runs differ.
-fn with_longer_steps<const D: usize>(config: Config<D>, part: f64, interval: f64) -> Config<D> {
-    with_steps(config, |steps_per_period| {
-        let steps = StepsOfInterval::new(steps_per_period * interval, 1.0 / (part * part));
-        f64::from(steps.coarse) / interval
-    })
-}
-
-/// The configuration of a coarser run with half the step, if a limit of stability gave it about as many steps as the fine run.
-fn with_half_the_step<const D: usize>(
-    config: &Config<D>,
-    fine: &DensityRun,
-    coarse: &DensityRun,
+/// Runs with steps twice and four times as long as those of a run, or with half of them where a limit of stability gives longer ones
+/// about the same length. None by a rule whose steps follow the spacing.
+fn step_runs<E, const D: usize>(
+    (config, base): (&Config<D>, &DensityRun),
     interval: f64,
-) -> Option<Config<D>> {
-    let steps = |run: &DensityRun| run.work.steps as f64 / run.rows.len() as f64;
-    let is_of_period =
-        matches!(config.method.combination_in(D).step, StepRule::PeriodFraction { .. });
-    let are_same = steps(coarse) > MOST_ALIKE * steps(fine);
-    let halved = || with_steps(config.clone(), |_| 2.0 * steps(fine) / interval);
-    (is_of_period && are_same).then(halved)
+    solve: impl Fn(&str, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
+) -> Result<Option<StepRuns>, E> {
+    let StepRule::PeriodFraction { steps_per_period } = config.method.combination_in(D).step else {
+        return Ok(None);
+    };
+    let steps = StepsOfInterval::new(steps_per_period * interval, 2.0);
+    let with = |n: u32| with_steps(*config, |_| f64::from(n) / interval);
+    let came_as_far = |run: &DensityRun| run.rows.len() >= base.rows.len();
+    // The run with the ratio of its steps to those of another, if that shows their error.
+    let longer = |run: DensityRun, than: &DensityRun| {
+        let ratio = than.work.steps as f64 / run.work.steps as f64;
+        (came_as_far(&run) && ratio > LEAST_RATIO).then_some((run, ratio))
+    };
+    let coarse = solve("longer steps", &with(steps.coarse))?.ok();
+    if let Some(coarse) = coarse.and_then(|run| longer(run, base)) {
+        let coarsest = match steps.coarsest {
+            Some(n) => solve("the longest steps", &with(n))?.ok(),
+            None => None,
+        };
+        let coarsest = coarsest.and_then(|run| longer(run, &coarse.0));
+        return Ok(Some(StepRuns::Longer { coarse, coarsest }));
+    }
+    let each = base.work.steps as f64 / base.rows.len() as f64;
+    let halved = solve("half the step", &with_steps(*config, |_| 2.0 * each / interval))?.ok();
+    Ok(Some(halved.filter(came_as_far).map_or(StepRuns::Failed, StepRuns::Halved)))
 }
 
-/// Steps of a coarser run over those of the fine one, above which their difference does not show the error of the steps.
-const MOST_ALIKE: f64 = 0.85;
+/// Ratio of the steps of two runs below which their difference does not show the error of the steps.
+const LEAST_RATIO: f64 = 1.2;
 
 /// The configuration with a whole number of steps in an interval between observations, two at least, so that a coarser run has fewer.
 pub(super) fn with_steps_of_interval<const D: usize>(
@@ -325,23 +374,41 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_run_with_the_steps_of_the_fine_one_is_repeated_with_half_the_step() {
-        // Both take 40 steps in two intervals; a step h leaves h^2.
-        let at = |steps: u64, h: f64| {
-            let work = fpk_sph::Work { steps, ..fpk_sph::Work::default() };
-            DensityRun { work, ..run(1.0 + h * h, &[1.0, 2.0]) }
+    /// The resolutions of runs that take the steps of their configurations, at most as long as a limit.
+    fn resolutions<const D: usize>(
+        fine: DensityRun,
+        config: impl Fn(f64) -> Option<Config<D>>,
+        longest: f64,
+        solve: impl Fn(&str, &Config<D>) -> Result<DensityRun, Error>,
+    ) -> Resolutions {
+        let counted = |mut run: DensityRun, config: &Config<D>| {
+            let n = (1.0 / step(config)).max(1.0 / longest) * run.rows.len() as f64;
+            run.work.steps = n.round() as u64;
+            run
         };
-        let both = Resolutions::new(at(40, 0.1), (config, 1.0), |_, config| {
-            let per_period = match config.method.combination_in(2).step {
-                StepRule::PeriodFraction { steps_per_period } => steps_per_period,
-                _ => f64::NAN,
-            };
-            let is_halved = (per_period - 40.0).abs() < 1e-9;
-            Ok::<_, std::convert::Infallible>(Ok(at(40, if is_halved { 0.05 } else { 0.1 })))
+        let fine = counted(fine, &config(1.0).unwrap());
+        let solve = |name: &str, config: &Config<D>| {
+            Ok::<_, std::convert::Infallible>(solve(name, config).map(|run| counted(run, config)))
+        };
+        Resolutions::new(fine, (config, 1.0), solve).unwrap()
+    }
+
+    /// Its step in periods.
+    fn step<const D: usize>(config: &Config<D>) -> f64 {
+        match config.method.combination_in(D).step {
+            StepRule::PeriodFraction { steps_per_period } => 1.0 / steps_per_period,
+            _ => 1.0,
+        }
+    }
+
+    #[test]
+    fn steps_that_a_limit_of_stability_sets_are_halved_for_their_error() {
+        // A step h leaves h^2, and none is longer than 0.01.
+        let both = resolutions(run(1.0001, &[1.0, 2.0]), config, 0.01, |_, config| {
+            Ok(run(1.0 + step(config).min(0.01).powi(2), &[1.0, 2.0]))
         });
-        let error = both.unwrap().values(|row| Some(row.moments[0]))[0].error.unwrap();
-        assert!((error - 0.75 * 0.01).abs() < 1e-12, "{error}");
+        let error = both.values(|row| Some(row.moments[0]))[0].error.unwrap();
+        assert!((error - 0.75e-4).abs() < 1e-9, "{error}");
     }
 
     #[test]
@@ -376,8 +443,7 @@ mod tests {
     }
 
     fn of(solve: impl Fn(&Config<2>) -> Result<DensityRun, Error>) -> Resolutions {
-        let solve = |_: &str, config: &Config<2>| Ok::<_, std::convert::Infallible>(solve(config));
-        Resolutions::new(run(1.1, &[1.0, 2.0]), (config, 1.0), solve).unwrap()
+        resolutions(run(1.1, &[1.0, 2.0]), config, 1.0, |_, config| solve(config))
     }
 
     #[test]
@@ -397,33 +463,25 @@ mod tests {
     }
 
     #[test]
-    fn the_coarser_run_takes_longer_steps_so_that_their_error_shows() {
-        let step = |config: &Config<2>| match config.method.combination().step {
-            StepRule::PeriodFraction { steps_per_period } => 1.0 / steps_per_period,
-            _ => f64::NAN,
-        };
-        let error_of = |order: i32| {
+    fn an_error_of_the_steps_shows_whatever_its_order_is() {
+        for order in [1, 2, 3, 4] {
             // The value at the step s is 1 + s^order; the spacing has no error.
-            let fine = step(&config(1.0).unwrap()).powi(order);
-            let both = Resolutions::new(run(1.0 + fine, &[1.0]), (config, 1.0), |_, config| {
-                let value = 1.0 + step(config).powi(order);
-                Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
-            });
-            let values = both.unwrap().values(|row| Some(row.moments[0]));
-            values[0].error.unwrap() / fine
-        };
-        assert!((error_of(1) - 1.0).abs() < 1e-9, "{}", error_of(1));
-        assert!((error_of(2) - 3.0).abs() < 1e-9, "{}", error_of(2));
+            let value = |config: &Config<2>| 1.0 + step(config).powi(order);
+            let fine = run(value(&config(1.0).unwrap()), &[1.0]);
+            let both = resolutions(fine, config, 1.0, |_, config| Ok(run(value(config), &[1.0])));
+            let error = both.values(|row| Some(row.moments[0]))[0].error.unwrap();
+            let exact = step(&config(1.0).unwrap()).powi(order);
+            assert!((error / exact - 1.0).abs() < 1e-6, "{order}: {error}");
+        }
     }
 
     fn in_four_states(method: Method, slow: f64) -> Resolutions {
-        Resolutions::new(run(1.0, &[1.0]), (ball::<4>(method), 1.0), |name, config| {
+        resolutions(run(1.0, &[1.0]), ball::<4>(method), 1.0, |name, config| {
             let h = 1.0 / per_length(&config.lattice);
             let value =
                 if name.contains("half as fast") { slow } else { 1.0 + 0.1 * (h * h - 1.0) };
-            Ok::<_, std::convert::Infallible>(Ok(run(value, &[1.0])))
+            Ok(run(value, &[1.0]))
         })
-        .unwrap()
     }
 
     #[test]
@@ -443,14 +501,14 @@ mod tests {
     #[test]
     fn a_run_that_would_show_settling_and_stopped_is_said_to_be_missing() {
         let four = ball::<4>(Method::FlowMapFit);
-        let both = Resolutions::new(run(1.0, &[1.0, 2.0]), (four, 1.0), |name, _| {
-            Ok::<_, std::convert::Infallible>(if name.contains("half as fast") {
+        let both = resolutions(run(1.0, &[1.0, 2.0]), four, 1.0, |name, _| {
+            if name.contains("half as fast") {
                 Err(Error::NotPositive { name: "a name", value: 0.0 })
             } else {
                 Ok(run(1.1, &[1.0, 2.0]))
-            })
+            }
         });
-        let said = both.unwrap().not_shown().unwrap();
+        let said = both.not_shown().unwrap();
         assert_eq!(said.what, "the part of the errors that these runs share from t = 1 on");
         assert!(said.reason.contains("settling is missing: a name"), "{}", said.reason);
         assert!(said.reason.contains("with 4 states"), "{}", said.reason);

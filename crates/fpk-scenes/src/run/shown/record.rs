@@ -44,7 +44,10 @@ pub(crate) struct Series {
     pub(crate) values: Vec<Observed>,
 }
 
-const NO_CELL_BEYOND: &str = "no cell of the remeshed lattice lies beyond the threshold: take a finer lattice, or guided paths";
+/// Relative error of standard deviations by the moment equations above which what the lattice left outside bounds no probability.
+const VIOLATION_OF_BOUND: f64 = 0.01;
+const NO_CELL_BEYOND: &str =
+    "no cell of the lattice lies beyond the threshold: take a finer lattice, or guided paths";
 
 impl Series {
     /// A series without unit.
@@ -239,7 +242,9 @@ pub(in crate::run) fn series(
                     observed.note.clone_from(&row.exceedances[k].note);
                     // `Probability::Below`: a difference of runs says nothing of what no particle carries.
                     // A remeshed cloud ends where it has no mass to speak of, whatever the first lattice left outside.
-                    if observed.value == 0.0 && row.is_remeshed {
+                    // So does one whose particles violate the moment equations.
+                    let is_unseen = row.is_remeshed || row.violation > VIOLATION_OF_BOUND;
+                    if observed.value == 0.0 && is_unseen {
                         observed.lose_error(NO_CELL_BEYOND);
                     } else if observed.value <= row.mass_outside {
                         observed.bounded_by(row.mass_outside);

@@ -54,7 +54,9 @@ impl Tally {
                 tally.by_method.entry(format!("{family}, {method}, {setting}")).or_default(),
             ] {
                 row.count(outcome);
-                verdicts.iter().for_each(|verdict| row.add(verdict));
+                for verdict in verdicts {
+                    row.add(verdict);
+                }
             }
             for verdict in verdicts {
                 let kind = verdict.truth.id.split('/').next().unwrap_or_default();

@@ -30,6 +30,9 @@ fn run(context: &Context<'_>) -> CaseResult {
     let asked = Hunt { runs, seed: SEED, first: 0, families, methods, longest: LONGEST, threads };
     let outcomes = hunt(&asked, &mut |outcome| context.progress(&outcome.index.to_string()));
     let tally = Tally::of(&outcomes);
+    if outcomes.len() as u64 != runs {
+        return Err("not all scenes were run".into());
+    }
     let mut claims = Vec::new();
     for (setting, row) in &tally.all {
         let Row { runs, refused, numbers, unknown, silent, .. } = *row;

@@ -382,8 +382,11 @@ mod tests {
         solve: impl Fn(&str, &Config<D>) -> Result<DensityRun, Error>,
     ) -> Resolutions {
         let counted = |mut run: DensityRun, config: &Config<D>| {
-            let n = (1.0 / step(config)).max(1.0 / longest) * run.rows.len() as f64;
-            run.work.steps = n.round() as u64;
+            // A whole number of steps in each interval, counted by its rows.
+            let each = 1.0 / step(config).min(longest);
+            run.work.steps =
+                (1..=100_u32).find(|n| f64::from(*n) > each - 0.5).map_or(0, u64::from)
+                    * run.rows.len() as u64;
             run
         };
         let fine = counted(fine, &config(1.0).unwrap());

@@ -84,7 +84,9 @@ impl Visitor for TailsOf<'_> {
         Ok(found.map(|mut content| {
             for Series { of, values, .. } in &mut content.quantities {
                 let Quantity::Probability { threshold, .. } = *of else { continue };
-                values.iter_mut().for_each(|observed| bias.add_to_probability(threshold, observed));
+                for observed in values {
+                    bias.add_to_probability(threshold, observed);
+                }
             }
             content.unknown.extend(bias.unknown());
             content

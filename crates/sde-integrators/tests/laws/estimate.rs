@@ -87,7 +87,9 @@ fn a_mean_that_one_value_decides_has_no_error_too_small() {
                 let mut normals = vec![0.0; n];
                 Noise::new(seed).stream(Purpose::MarkovChain, 0).fill_normal(&mut normals);
                 let mut values = Accumulator::default();
-                normals.iter().for_each(|z| values.push((a * z).exp()));
+                for z in normals {
+                    values.push((a * z).exp());
+                }
                 let found = values.estimate().unwrap();
                 all += 1;
                 let Some(error) = found.standard_error() else { continue };

@@ -151,12 +151,21 @@ impl Accumulator {
 
     /// Mean of the sampled distribution, with its standard error.
     ///
+    /// # Errors
+    /// Those of [`variance`](Self::variance).
+    pub fn estimate(&self) -> Result<Estimate, Error> {
+        let standard_error = (self.variance()? / self.count as f64).sqrt();
+        Ok(Estimate { value: self.mean, uncertainty: Uncertainty::StandardError(standard_error) })
+    }
+
+    /// As [`estimate`](Self::estimate), of a distribution whose tail may be heavy, such as a high power of a state.
+    ///
     /// Where one value holds more than a tenth of the sum of squared deviations, rarer and larger ones decide on the mean, and the
     /// sample has none of them: the error then grows, and is unknown from `1/4 + 6/n` of the sum on.
     ///
     /// # Errors
     /// Those of [`variance`](Self::variance).
-    pub fn estimate(&self) -> Result<Estimate, Error> {
+    pub fn cautious_estimate(&self) -> Result<Estimate, Error> {
         let (variance, n) = (self.variance()?, self.count as f64);
         let share = if self.squares > 0.0 { self.largest / self.squares } else { 0.0 };
         let most = 0.25 + 6.0 / n;

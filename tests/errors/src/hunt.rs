@@ -4,11 +4,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use scenes::answers::{Answers, Number};
-use scenes::{Progress, RunError, SceneFile, causes, kind_of};
+use scenes::{RunError, causes};
 use serde_json::Value;
 
-use crate::{ALL, Draw, Drawn, Family, Truth};
+use crate::{ALL, Draw, Drawn, Family, Verdict};
 
 /// What to draw.
 #[derive(Debug, Clone)]
@@ -40,46 +39,6 @@ pub struct Outcome {
     pub verdicts: Result<Vec<Verdict>, String>,
     /// Wall-clock time (s).
     pub seconds: f64,
-}
-
-/// A number beside its truth.
-#[derive(Debug, Clone)]
-pub struct Verdict {
-    /// The truth.
-    pub truth: Truth,
-    /// The number.
-    pub number: Number,
-    /// Whether the number has a warning.
-    pub is_warned: bool,
-}
-
-impl Verdict {
-    /// Distance from the truth in stated errors, without the error of the truth; none where no error is stated.
-    #[must_use]
-    pub fn off(&self) -> Option<f64> {
-        let away = self.away();
-        self.number.error.map(|error| {
-            if self.is_of_roundoff() { 0.0 } else { away / error.max(f64::MIN_POSITIVE) }
-        })
-    }
-
-    /// Whether the number is off by roundoff alone, which is no one's error.
-    #[must_use]
-    pub fn is_of_roundoff(&self) -> bool {
-        self.away() <= 1e-13 * self.number.value.abs()
-    }
-
-    /// Whether it is off by more than ten stated errors without a warning.
-    #[must_use]
-    pub fn is_silent(&self) -> bool {
-        self.off().is_some_and(|off| off > 10.0) && !self.is_warned
-    }
-
-    /// Distance from the truth, without the error of the truth.
-    #[must_use]
-    pub fn away(&self) -> f64 {
-        ((self.number.value - self.truth.value).abs() - self.truth.error).max(0.0)
-    }
 }
 
 /// Runs scenes drawn from all families, and calls `look` after each; the outcomes in the order of their numbers.
@@ -156,33 +115,4 @@ pub fn judged(drawn: &Drawn, longest: Duration) -> Result<Vec<Verdict>, RunError
     let judge = || (drawn.family.judge)(&drawn.scene, &drawn.truths, longest);
     let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     alone.map_or_else(|_| judge(), |pool| pool.install(judge))
-}
-
-/// Runs a scene as the command does, and finds the numbers whose truth is known.
-///
-/// # Errors
-/// Those of the run.
-pub(crate) fn of_scene(
-    scene: &Value,
-    truths: &[Truth],
-    longest: Duration,
-) -> Result<Vec<Verdict>, RunError> {
-    let file = SceneFile::from_text("scene.json", scene.to_string())?;
-    let answers = kind_of(scenes::ALL, &file)?.solve(&file, Some(longest), &Progress::silent())?;
-    Ok(compared(truths, &answers))
-}
-
-fn compared(truths: &[Truth], answers: &Answers) -> Vec<Verdict> {
-    let of = |truth: &Truth| {
-        let answer = answers.get(&truth.id)?;
-        let values = answer.earlier.iter().chain([&answer.last]);
-        let is_at = |window: Option<[f64; 2]>| match (window, truth.time) {
-            (Some([_, end]), Some(t)) => (end - t).abs() <= 1e-9 * t.abs(),
-            (window, time) => window.is_none() && time.is_none(),
-        };
-        let value = values.into_iter().find(|value| is_at(value.window))?;
-        let is_warned = value.remark.is_some();
-        Some(Verdict { truth: truth.clone(), number: value.number, is_warned })
-    };
-    truths.iter().filter_map(of).collect()
 }

@@ -11,13 +11,15 @@ mod hunt;
 mod normal;
 mod page;
 mod tally;
+mod verdict;
 
 pub use draw::Draw;
 pub use families::ALL;
 pub use family::{Family, Judge};
-pub use hunt::{Hunt, Outcome, Verdict, hunt, judged, known};
+pub use hunt::{Hunt, Outcome, hunt, judged, known};
 pub use page::page;
 pub use tally::{Row, Tally};
+pub use verdict::Verdict;
 
 use serde_json::Value;
 

@@ -48,17 +48,11 @@ struct Coarser {
     slower: Option<DensityRun>,
     /// A third, coarser run and the ratio of its spacing to that of this run; none if its lattice is too coarse for the problem.
     coarsest: Option<(DensityRun, f64)>,
-    /// Other steps on the coarsest lattice that came as far as this run; none by a rule whose steps follow the spacing.
-    steps: Option<OtherSteps>,
+    /// The same run with other steps; none by a rule whose steps follow the spacing.
+    steps: Option<StepRuns>,
 }
 
 /// Runs on one lattice with other steps than those of the fine run.
-struct OtherSteps {
-    /// Whether the lattice is that of the third run.
-    on_coarsest: bool,
-    runs: StepRuns,
-}
-
 enum StepRuns {
     /// Longer steps, with the ratio to those of the next shorter ones.
     Longer { coarse: (DensityRun, f64), coarsest: Option<(DensityRun, f64)> },
@@ -93,7 +87,7 @@ impl Resolutions {
     /// as fast ([`Config::with_slower_settling`]).
     ///
     /// The first argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
-    /// `interval` is that between observations in reference periods. The error of the steps is measured on the coarsest lattice, by runs
+    /// `interval` is that between observations in reference periods. The error of the steps is measured on the coarser lattice, by runs
     /// with longer ones ([`step_runs`]). A failure of a coarser run does not count against
     /// the fine one.
     ///
@@ -142,21 +136,17 @@ impl Resolutions {
                         }
                     }
                     // If this lattice is too coarse for the problem, the estimate uses two resolutions.
-                    let mut third = None;
-                    if let Some((config, of_fine)) = at(part * part).filter(|it| it.1 > ratio) {
-                        let run = solve(&name_of(part * part), &config)?;
-                        third = run.ok().map(|run| (run, of_fine / ratio, config));
-                    }
-                    let on_coarsest =
-                        third.as_ref().filter(|(third, ..)| third.rows.len() >= run.rows.len());
-                    let base = on_coarsest.map_or((&config, &run), |(run, _, of)| (of, run));
+                    let coarsest = match at(part * part) {
+                        Some((config, of_fine)) if of_fine > ratio => {
+                            let run = solve(&name_of(part * part), &config)?;
+                            run.ok().map(|run| (run, of_fine / ratio))
+                        }
+                        _ => None,
+                    };
                     let other = |words: &str, config: &Config<D>| {
                         solve(&format!("{name}, with {words}"), config)
                     };
-                    let steps = step_runs(base, interval, other)?;
-                    let on_coarsest = on_coarsest.is_some();
-                    let steps = steps.map(|runs| OtherSteps { on_coarsest, runs });
-                    let coarsest = third.map(|(run, ratio, _)| (run, ratio));
+                    let steps = step_runs((&config, &run), interval, other)?;
                     coarser.push(Coarser { run, ratio, slower, coarsest, steps });
                     if complete {
                         break;
@@ -223,7 +213,7 @@ impl Resolutions {
 
     /// The fine value with the error by coarser runs ([`error_of_finest`]) and that of settling where a run shows it, as independent
     /// parts. The second is `2 |coarse - slow| / r^2`, of the coarse run and the same with settling half as fast; a third is the error of
-    /// the steps on the coarsest lattice.
+    /// the steps on the coarser lattice.
     pub(super) fn values(&self, pick: impl Fn(&Row) -> Option<f64>) -> Vec<Observed> {
         let observed = |row: &Row| {
             let value = pick(row)?;
@@ -238,10 +228,8 @@ impl Resolutions {
                 let coarse = resolution_error::Coarser { value: coarse, ratio: coarser.ratio };
                 let orders = if coarsest.is_some() { OBSERVED } else { ORDERS };
                 let error = error_of_finest(value, coarse, coarsest, orders).hypot(settling);
-                let of_steps = |OtherSteps { on_coarsest, runs }: &OtherSteps| {
-                    let base = if *on_coarsest { coarsest?.value } else { coarse.value };
-                    runs.error(base, |run| pick(run.at(row.t)?))
-                };
+                let of_steps =
+                    |runs: &StepRuns| runs.error(coarse.value, |run| pick(run.at(row.t)?));
                 let steps = coarser.steps.as_ref().map_or(Some(0.0), of_steps)?;
                 let error = error.hypot(steps);
                 error.is_finite().then_some(error)
@@ -421,8 +409,8 @@ mod tests {
             Ok(run(value, &[1.0, 2.0]))
         });
         let error = both.values(|row| Some(row.moments[0]))[0].error.unwrap();
-        // The error of the coarser run is 0.4 / (2 - 1); that of the fine one falls with the order 4 at most, by 2^2.
-        assert!((error - 0.1).abs() < 1e-12, "{error}");
+        // The error of the coarser run is 0.4 / (2^1.5 - 1); that of the fine one falls with the order 4 at most, by 2^2.
+        assert!((error - 0.1 / (2.0_f64.powf(1.5) - 1.0)).abs() < 1e-12, "{error}");
     }
 
     /// A ball whose spacing is 1 at the whole resolution.

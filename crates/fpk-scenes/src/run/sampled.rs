@@ -31,7 +31,7 @@ const PATHS_OF_SHARD: u64 = 16 * sde_integrators::BLOCK_LENGTH;
 /// It takes a quarter of a second for the damper, long compared with the step tables made for each block.
 const PATHS_OF_BLOCK: u64 = 4 * sde_integrators::BLOCK_LENGTH;
 
-/// Why the scatter of a moment is unknown: see `Accumulator::estimate`.
+/// Why the scatter of a moment is unknown: see `Accumulator::cautious_estimate`.
 const ONE_PATH_DECIDES: &str = "one path holds much of the scatter, and rarer ones decide on the mean: take more paths, or a lower moment";
 
 /// Measures the bias of the steps; all other code is compiled once for each number of states.

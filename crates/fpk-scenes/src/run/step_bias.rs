@@ -15,7 +15,7 @@ const PART: u64 = 20;
 const FEWEST: u64 = 100;
 const MOST: u64 = 4_000;
 /// Pairs with amplified noise, and the largest amplitude.
-const AMPLIFIED: u64 = 500;
+const AMPLIFIED: u64 = 2_000;
 const MOST_AMPLITUDE: f64 = 64.0;
 
 /// The bias of the steps of paths at each time of observation.

@@ -31,7 +31,9 @@ fn a_run_in_three_dimensions_writes_result_pictures_and_cloud() {
 #[test]
 fn an_earlier_end_than_that_of_a_checkpoint_is_told_from_it_and_leaves_it_as_it_is() {
     let planes = ",\n  'planes': { 'states': [['q', 'z']], 'times': [0.2] }";
-    let longer = changed(SMALL, &[(planes, "")]);
+    // With steps so short that those with longer ones, for the error, come to the end too: one that does not is not kept.
+    let steps = ("'reach': 4 }", "'reach': 4, 'steps_per_period': 160 }");
+    let longer = changed(SMALL, &[(planes, ""), steps]);
     let ran = SceneRun::of(&longer);
     let kept = checkpoints(&ran.out());
     ran.resume(&changed(&longer, &[("'until': 0.2", "'until': 0.1")])).unwrap();

@@ -18,7 +18,7 @@ use crate::estimate::{Accumulator, Estimate};
 /// ```
 #[derive(Clone, Copy)]
 pub enum Observable<'a, const D: usize> {
-    /// Mean of a function of time and state, with the standard error of the sample mean.
+    /// Mean of a function of time and state, with the error of [`Accumulator::cautious_estimate`].
     Mean(&'a (dyn Fn(f64, &[f64; D]) -> f64 + Sync)),
     /// Probability of an event, with the error of [`Estimate::probability`].
     Probability(&'a (dyn Fn(f64, &[f64; D]) -> bool + Sync)),
@@ -79,7 +79,7 @@ impl Tally {
 
     pub(crate) fn estimate(&self) -> Result<Estimate, Error> {
         match *self {
-            Self::Values(values) => values.estimate(),
+            Self::Values(values) => values.cautious_estimate(),
             Self::Events { hits, trials } => Estimate::probability(hits, trials),
         }
     }

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::density_methods::{Class, Solvable, method, of_density};
 use crate::draw::{Draw, rounded};
-use crate::hunt::of_scene;
 use crate::normal::{Linear, Normal, laws};
+use crate::verdict::of_scene;
 use crate::{Family, Truth};
 
 pub(super) const FAMILY: Family = Family {

@@ -9,7 +9,7 @@ use scenes::peridyn::scene_problem::CrackProblem;
 use serde_json::{Value, json};
 
 use crate::draw::{Draw, rounded};
-use crate::hunt::of_scene;
+use crate::verdict::of_scene;
 use crate::{Family, Truth};
 
 pub(super) const FAMILY: Family = Family {
@@ -228,7 +228,7 @@ fn load_of_modes(problem: &CrackProblem, scene: &CrackScene) -> Option<(f64, f64
     is_last.then_some((mean, deviation, if finite { ERROR_OF_FINITE } else { ERROR_OF_LINEAR }))
 }
 
-/// A mode of the network: its stiffness, the pull of the grips in a unit of time, and how fast the mean strain moves it.
+/// A mode of the network: its stiffness, the rate of the load by the prescribed displacement, and how fast the mean strain moves it.
 struct Mode {
     stiffness: f64,
     pull: f64,

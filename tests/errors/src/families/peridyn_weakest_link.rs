@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::peridyn_linear::{notch, plate, realisations};
 use crate::draw::Draw;
-use crate::hunt::of_scene;
+use crate::verdict::of_scene;
 use crate::{Family, Truth};
 
 pub(super) const FAMILY: Family = Family {

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use super::density_methods::{Class, Solvable, method, of_density};
 use super::linear_systems::{moment_id, times};
 use crate::draw::{Draw, rounded};
-use crate::hunt::of_scene;
 use crate::normal::Normal;
+use crate::verdict::of_scene;
 use crate::{Family, Truth};
 
 /// Double wells.

@@ -6,7 +6,7 @@ use smpm_scenes::experiment::SceneExperiment;
 use smpm_scenes::scene::SmpmScene;
 
 use crate::draw::{Draw, rounded};
-use crate::hunt::of_scene;
+use crate::verdict::of_scene;
 use crate::{Family, Truth, Verdict};
 
 pub(super) const FAMILY: Family = Family {

@@ -9,7 +9,7 @@ use vibrating_systems::Window;
 use super::density_methods::{Class, Solvable, method, of_density};
 use super::linear_systems::{built, moment_id};
 use crate::draw::{Draw, rounded};
-use crate::hunt::of_scene;
+use crate::verdict::of_scene;
 use crate::{Family, Truth};
 
 pub(super) const FAMILY: Family = Family {

@@ -22,7 +22,7 @@ pub fn page(hunt: &Hunt, outcomes: &[Outcome], tally: &Tally) -> String {
          This page says how often the truth lies within the errors that runs state. Written by `{command}`: {} scenes drawn at \
          random, each of a family with a known answer, run as `cargo xtask run` runs them; {seconds:.0} s of computing.\n\n\
          Settings are sensible, or hostile: valid and chosen badly, such as a lattice that ends within the distribution, twenty \
-         paths, or steps as long as a method takes at all. A number without a stated error is *unknown*. *Silent* are numbers \
+         paths, or steps as long as a method takes at all.\nA number without a stated error is *unknown*. *Silent* are numbers \
          that are off by more than ten stated errors and have no warning beside them. A run that would take longer than the hunt \
          allows is *too long*; one that ends in another error is *refused*.\n\n\
          | family | answers known by |\n|---|---|",

@@ -86,7 +86,6 @@ pub struct Row {
     /// Probability that no particle carries, at most.
     pub mass_outside: f64,
     /// Whether the cloud was remeshed.
-    #[serde(default)]
     pub is_remeshed: bool,
     /// Entropy (nats).
     pub entropy: f64,

@@ -11,6 +11,7 @@ mod resolutions;
 mod sampled;
 mod shown;
 mod step_bias;
+mod step_runs;
 mod tails;
 #[cfg(test)]
 mod tests;
@@ -317,7 +318,7 @@ impl Solved<'_> {
         let solve = |part: &str, attempt: &Attempt| {
             let whole = attempt.method.density_config::<D>(period, attempt.fineness);
             let whole = whole.ok_or_else(|| RunError::solver(OtherDimension { states: D }))?;
-            let whole = resolutions::with_steps_of_interval(whole, interval);
+            let whole = step_runs::with_steps_of_interval(whole, interval);
             run.progress.stage(part);
             let kept: SavedDensity = self.checkpoint.part(part)?.unwrap_or_default();
             let seen = kept.seen.until(asked.times.last().copied().unwrap_or_default());

@@ -91,7 +91,6 @@ pub struct Accumulator {
     /// Sum of the squared deviations from the mean.
     squares: f64,
     /// The largest term of that sum, as values came.
-    #[cfg_attr(feature = "serde", serde(default))]
     largest: f64,
 }
 

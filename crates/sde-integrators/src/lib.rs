@@ -45,7 +45,7 @@ pub use noise::dense_factor::DenseFactor;
 pub use noise::lane_increments::{LANES, LaneIncrements};
 pub use noise::lane_normals::LaneNormals;
 pub use noise::noise_factor::{DiagonalFactor, LowRankFactor, NoiseFactor, SparseFactor};
-pub use noise::normal_distribution::{normal_probability, normal_quantile};
+pub use noise::normal_distribution::{normal_probability, normal_quantile, student_quantile};
 pub use noise::streams::{Increment, Noise, PathNoise, Purpose, Stream, WORDS_PER_PAIR};
 pub use simd_lanes::SimdLevel;
 pub use state_space::StateSpace;

@@ -1,10 +1,11 @@
 //! Error estimates of a density run from coarser runs.
 
-use fpk_sph::{Combination, Config, Error, InitialLattice, Method, Remapping, StepRule};
+use fpk_sph::{Combination, Config, Error, InitialLattice, Method, Remapping};
 use scene_runs::answers::Unknown;
 
 use super::observed::Observed;
-use super::resolution_error::{self, Orders, StepsOfInterval, error_of_finest};
+use super::resolution_error::{self, Orders, error_of_finest};
+use super::step_runs::{StepRuns, step_runs, with_steps_of_interval};
 use crate::density::{DensityRun, Row};
 
 /// Resolutions of the coarser runs, as particles along a length relative to the fine run.
@@ -52,35 +53,6 @@ struct Coarser {
     steps: Option<StepRuns>,
 }
 
-/// Runs on one lattice with other steps than those of the fine run.
-enum StepRuns {
-    /// Longer steps, with the ratio to those of the next shorter ones.
-    Longer { coarse: (DensityRun, f64), coarsest: Option<(DensityRun, f64)> },
-    /// Half the step, where a limit of stability does not let it be longer.
-    Halved(DensityRun),
-    /// None came so far.
-    Failed,
-}
-
-impl StepRuns {
-    /// The error of the steps of a run with this value.
-    fn error(&self, value: f64, pick: impl Fn(&DensityRun) -> Option<f64>) -> Option<f64> {
-        match self {
-            Self::Failed => None,
-            Self::Halved(run) => Some((value - pick(run)?).abs()),
-            Self::Longer { coarse, coarsest } => {
-                let at = |(run, ratio): &(DensityRun, f64)| {
-                    Some(resolution_error::Coarser { value: pick(run)?, ratio: *ratio })
-                };
-                let coarsest = coarsest.as_ref().and_then(at);
-                let of_method = if coarsest.is_some() { 4.0 } else { 2.0 };
-                let orders = Orders { of_method, largest: 4.0 };
-                Some(error_of_finest(value, at(coarse)?, coarsest, orders))
-            }
-        }
-    }
-}
-
 impl Resolutions {
     /// Runs coarser configurations by `solve` until their results cover every time of the fine run, and for each of them one that is
     /// coarser by the same ratio. In four states and more, where lattices are coarse, the flow-map fit also runs with settling half
@@ -88,8 +60,7 @@ impl Resolutions {
     ///
     /// The first argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
     /// `interval` is that between observations in reference periods. The error of the steps is measured on the coarser lattice, by runs
-    /// with longer ones ([`step_runs`]). A failure of a coarser run does not count against
-    /// the fine one.
+    /// with longer ones ([`step_runs`]). A failure of a coarser run does not count against the fine one.
     ///
     /// # Errors
     /// Errors of `solve` that are not errors of the solver.
@@ -147,6 +118,11 @@ impl Resolutions {
                         solve(&format!("{name}, with {words}"), config)
                     };
                     let steps = step_runs((&config, &run), interval, other)?;
+                    if matches!(steps, Some(StepRuns::Failed)) {
+                        failed.push(format!(
+                            "at {part:.2} of the resolution no run with other steps came so far"
+                        ));
+                    }
                     coarser.push(Coarser { run, ratio, slower, coarsest, steps });
                     if complete {
                         break;
@@ -177,7 +153,10 @@ impl Resolutions {
 
     /// Errors that no coarser run estimates.
     pub(super) fn unknown(&self) -> Option<Unknown> {
-        let seen = |row: &&Row| self.coarser.iter().all(|coarser| coarser.run.at(row.t).is_none());
+        let has_error = |coarser: &Coarser, t: f64| {
+            coarser.run.at(t).is_some() && !matches!(coarser.steps, Some(StepRuns::Failed))
+        };
+        let seen = |row: &&Row| !self.coarser.iter().any(|coarser| has_error(coarser, row.t));
         let first = self.fine.rows.iter().find(seen)?;
         Some(Unknown {
             what: format!("errors of all quantities from t = {} on", first.t),
@@ -248,51 +227,6 @@ fn slower_of<const D: usize>(config: &Config<D>) -> Option<Config<D>> {
     if D >= SHARED_FROM { config.with_slower_settling() } else { None }
 }
 
-/// Runs with steps twice and four times as long as those of a run, or with half of them where a limit of stability gives longer ones
-/// about the same length. None by a rule whose steps follow the spacing.
-fn step_runs<E, const D: usize>(
-    (config, base): (&Config<D>, &DensityRun),
-    interval: f64,
-    solve: impl Fn(&str, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
-) -> Result<Option<StepRuns>, E> {
-    let StepRule::PeriodFraction { steps_per_period } = config.method.combination_in(D).step else {
-        return Ok(None);
-    };
-    let steps = StepsOfInterval::new(steps_per_period * interval, 2.0);
-    let with = |n: u32| with_steps(*config, |_| f64::from(n) / interval);
-    let came_as_far = |run: &DensityRun| run.rows.len() >= base.rows.len();
-    // The run with the ratio of its steps to those of another, if that shows their error.
-    let longer = |run: DensityRun, than: &DensityRun| {
-        let ratio = than.work.steps as f64 / run.work.steps as f64;
-        (came_as_far(&run) && ratio > LEAST_RATIO).then_some((run, ratio))
-    };
-    let coarse = solve("longer steps", &with(steps.coarse))?.ok();
-    if let Some(coarse) = coarse.and_then(|run| longer(run, base)) {
-        let coarsest = match steps.coarsest {
-            Some(n) => solve("the longest steps", &with(n))?.ok(),
-            None => None,
-        };
-        let coarsest = coarsest.and_then(|run| longer(run, &coarse.0));
-        return Ok(Some(StepRuns::Longer { coarse, coarsest }));
-    }
-    let each = base.work.steps as f64 / base.rows.len() as f64;
-    let halved = solve("half the step", &with_steps(*config, |_| 2.0 * each / interval))?.ok();
-    Ok(Some(halved.filter(came_as_far).map_or(StepRuns::Failed, StepRuns::Halved)))
-}
-
-/// Ratio of the steps of two runs below which their difference does not show the error of the steps.
-const LEAST_RATIO: f64 = 1.2;
-
-/// The configuration with a whole number of steps in an interval between observations, two at least, so that a coarser run has fewer.
-pub(super) fn with_steps_of_interval<const D: usize>(
-    config: Config<D>,
-    interval: f64,
-) -> Config<D> {
-    with_steps(config, |steps_per_period| {
-        f64::from(StepsOfInterval::new(steps_per_period * interval, 2.0).fine) / interval
-    })
-}
-
 /// The configuration of a coarser run, which ends once it takes more work than the fine one: where a density is extrapolated too far, a
 /// coarser lattice can have more cells and shorter steps.
 fn within_the_work_of<const D: usize>(fine: &DensityRun, config: Config<D>) -> Config<D> {
@@ -311,16 +245,6 @@ fn within_the_work_of<const D: usize>(fine: &DensityRun, config: Config<D>) -> C
 const MOST_GROWTH: usize = 16;
 const FEWEST_STEPS: u64 = 1_000;
 
-/// The configuration with other steps, where the rule is a fraction of the period.
-fn with_steps<const D: usize>(config: Config<D>, steps: impl Fn(f64) -> f64) -> Config<D> {
-    let combination = config.method.combination_in(D);
-    let StepRule::PeriodFraction { steps_per_period } = combination.step else {
-        return config;
-    };
-    let step = StepRule::PeriodFraction { steps_per_period: steps(steps_per_period) };
-    Config { method: Method::Custom(Combination { step, ..combination }), ..config }
-}
-
 /// Number of intervals of the lattice along a length: the geometric mean over the axes.
 fn per_length<const D: usize>(lattice: &InitialLattice<D>) -> f64 {
     match lattice {
@@ -334,7 +258,7 @@ fn per_length<const D: usize>(lattice: &InitialLattice<D>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use fpk_sph::{DEFAULT_MOST_STEPS, Method};
+    use fpk_sph::{DEFAULT_MOST_STEPS, StepRule};
 
     use super::*;
 

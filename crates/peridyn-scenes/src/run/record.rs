@@ -8,7 +8,7 @@ use result_figures::number::tidy;
 use scene_runs::answers::{ErrorOrigin, Number, Unknown};
 use scene_runs::kind::RunError;
 use scene_runs::scene::NamedFile;
-use sde_integrators::{Accumulator, Estimate};
+use sde_integrators::{Accumulator, Estimate, student_quantile};
 use serde::Serialize;
 
 use crate::scene::CrackScene;
@@ -154,10 +154,8 @@ fn of_few(mean: Number, n: usize) -> Number {
     if n < LEAST_REALISATIONS {
         return Number::sampled(mean.value, None);
     }
-    // Abramowitz and Stegun 1964, eq 26.7.5, within 1 % from 3 degrees of freedom on.
-    let degrees = (n - 1) as f64;
-    let student = NORMAL + (2.3723 + (2.8225 + 2.5558 / degrees) / degrees) / degrees;
-    Number { error: mean.error.map(|error| error * student / NORMAL), ..mean }
+    let by_normal = student_quantile((n - 1) as f64) / NORMAL;
+    Number { error: mean.error.map(|error| error * by_normal), ..mean }
 }
 
 /// With the error of steps of a load that grows over the run: by the trapezoidal rule over `n` steps it is of the order of one in

@@ -71,14 +71,8 @@ impl SeriesError {
         (distance, pairs): (f64, &[[f64; 2]]),
         far: Option<(f64, [f64; 2])>,
     ) -> Self {
-        let slopes = directions
-            .iter()
-            .map(|u| series.gradient.iter().zip(u).map(|(g, u)| g * u).sum::<f64>());
-        let residuals: Vec<[f64; 2]> = pairs
-            .iter()
-            .zip(slopes)
-            .map(|(ends, slope)| residuals_of(series, slope, distance, ends))
-            .collect();
+        let of = |(ends, u): (&[f64; 2], &Vec<f64>)| residuals(series, u, distance, ends);
+        let residuals: Vec<[f64; 2]> = pairs.iter().zip(directions).map(of).collect();
         let n = residuals.len().max(1) as f64;
         let mean_square = |k: usize| residuals.iter().map(|r| r[k] * r[k]).sum::<f64>() / n;
         let [odd, even] = [0, 1].map(|k| COVERAGE * mean_square(k).sqrt());
@@ -87,17 +81,8 @@ impl SeriesError {
         let deviation = series.variance().sqrt();
         let unsure = if deviation > 0.0 { odd / deviation } else { 0.0 };
         let mean = even + unsure * (series.mean() - series.value).abs();
-        let kink = far.zip(residuals.first()).zip(directions.first()).map_or(
-            0.0,
-            |(((far, ends), [odd, even]), u)| {
-                let slope: f64 = series.gradient.iter().zip(u).map(|(g, u)| g * u).sum();
-                let [odd_far, even_far] = residuals_of(series, slope, far, &ends);
-                let (ratio, square) = (far / distance, far * far);
-                let odd = far * (odd_far - odd * ratio * ratio);
-                let even = square * (even_far - even);
-                COVERAGE * (odd.abs() + even.abs())
-            },
-        );
+        let along = far.zip(residuals.first().zip(directions.first()));
+        let kink = along.map_or(0.0, |(far, (near, u))| kink(series, u, (distance, near), far));
         let [of_mean, of_deviation] = OF_KINK;
         Self {
             mean: mean + of_mean * kink,
@@ -107,12 +92,27 @@ impl SeriesError {
 }
 
 /// The residuals `r` and `c` at both ends of a direction.
-fn residuals_of(series: &Series, slope: f64, distance: f64, [plus, minus]: &[f64; 2]) -> [f64; 2] {
+fn residuals(series: &Series, u: &[f64], distance: f64, [plus, minus]: &[f64; 2]) -> [f64; 2] {
+    let slope: f64 = series.gradient.iter().zip(u).map(|(g, u)| g * u).sum();
     let square = distance * distance;
     // The squares of signs are one: the curvature of the series is in its mean.
     let curved = series.value + square * (series.mean() - series.value);
     let odd = 0.5 * (plus - minus) / distance - slope;
     [odd, 0.5 * ((plus - curved) + (minus - curved)) / square]
+}
+
+/// What the responses farther out depart from the polynomial through the nearer ones, times the coverage.
+fn kink(
+    series: &Series,
+    u: &[f64],
+    (distance, [odd, even]): (f64, &[f64; 2]),
+    (far, ends): (f64, [f64; 2]),
+) -> f64 {
+    let [odd_far, even_far] = residuals(series, u, far, &ends);
+    let ratio = far / distance;
+    let odd = far * (odd_far - odd * ratio * ratio);
+    let even = far * far * (even_far - even);
+    COVERAGE * (odd.abs() + even.abs())
 }
 
 impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {

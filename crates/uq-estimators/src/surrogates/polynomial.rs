@@ -30,7 +30,8 @@ use crate::surrogates::normal_equations::factors_without_each_fold;
 /// of the polynomial, its standard error is that of the folds times $\min(1 + 25 \sqrt q, 5)$, if that is more. Both factors were
 /// measured on $e^w$ with a normal $w$ of deviation 0.1 to 1; for a bounded response they are more than is needed.
 /// What no sample has met is in no error, as of [`ControlledSamples`](crate::ControlledSamples).
-/// Of values that are all equal every error is unknown. A polynomial with $q$ above a tenth that leaves more than a hundredth has not converged, and the error of the variance is unknown.
+/// Of values that are all equal every error is unknown. A polynomial with $q$ above a tenth that leaves more than a hundredth has not
+/// converged, and the error of the variance is unknown.
 ///
 /// Sources: Ghanem and Spanos 1991, Stochastic finite elements: a spectral approach (polynomial chaos); Sudret 2008,
 /// Global sensitivity analysis using polynomial chaos expansions, eqs 36 to 42 (Sobol' indices); Glasserman 2003, Monte

@@ -14,12 +14,14 @@ use uq_estimators::{
     Target, Tolerance, UnitCube, quantile,
 };
 
+use super::functions::Function;
 use crate::draw::{Draw, rounded};
 use crate::{Family, Truth, Verdict};
 
 pub(super) const FAMILY: Family = Family {
     name: "estimators",
-    known_by: "closed moments of functions of one normal, and their sums and products",
+    known_by: "closed moments of functions of one normal, and their sums and products; not judged above a kurtosis of eight and a quarter \
+               of the samples",
     weight: 1.5,
     draw,
     truths: |problem| Problem::read(problem).map(|problem| problem.truths()),
@@ -38,77 +40,6 @@ struct Problem {
     seed: u64,
     /// Probability of a quantile, level of a tail, or tolerance.
     at: f64,
-}
-
-/// A function of a normal; all but the step are one at the origin.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Function {
-    /// `exp(a z)`.
-    Exponential(f64),
-    /// `1 + a z`.
-    Linear(f64),
-    /// `1 + a z^2`.
-    Quadratic(f64),
-    /// `exp(-a z^2/2)`.
-    Bell(f64),
-    /// One above `a`.
-    Step(f64),
-}
-
-impl Function {
-    fn at(self, z: f64) -> f64 {
-        match self {
-            Self::Exponential(a) => (a * z).exp(),
-            Self::Linear(a) => 1.0 + a * z,
-            Self::Quadratic(a) => 1.0 + a * z * z,
-            Self::Bell(a) => (-0.5 * a * z * z).exp(),
-            Self::Step(a) => f64::from(u8::from(z > a)),
-        }
-    }
-
-    /// Means of its first four powers.
-    fn moments(self) -> [f64; 4] {
-        [1.0_f64, 2.0, 3.0, 4.0].map(|k| match self {
-            Self::Exponential(a) => (0.5 * k * k * a * a).exp(),
-            Self::Linear(a) => {
-                1.0 + k * (k - 1.0) / 2.0 * a * a + if k > 3.0 { 3.0 * a.powi(4) } else { 0.0 }
-            }
-            // Binomial coefficients by the moments 1, 3, 15, 105 of the square of a normal.
-            Self::Quadratic(a) => {
-                let rising =
-                    |n: i32| (0..n).map(|j| (k - f64::from(j)) / f64::from(j + 1)).product();
-                let term = |(n, moment): (i32, f64)| -> f64 {
-                    let coefficient: f64 = rising(n);
-                    coefficient * moment * a.powi(n)
-                };
-                (0..5).zip([1.0, 1.0, 3.0, 15.0, 105.0]).map(term).sum()
-            }
-            Self::Bell(a) => (1.0 + k * a).powf(-0.5),
-            Self::Step(a) => normal_probability(-a),
-        })
-    }
-
-    /// Value and three derivatives at the origin.
-    fn derivatives(self) -> [f64; 4] {
-        match self {
-            Self::Exponential(a) => [1.0, a, a * a, a * a * a],
-            Self::Linear(a) => [1.0, a, 0.0, 0.0],
-            Self::Quadratic(a) => [1.0, 0.0, 2.0 * a, 0.0],
-            Self::Bell(a) => [1.0, 0.0, -a, 0.0],
-            Self::Step(a) => [f64::from(u8::from(a < 0.0)), 0.0, 0.0, 0.0],
-        }
-    }
-
-    fn scaled(self, by: f64) -> Self {
-        match self {
-            Self::Exponential(a) => Self::Exponential(by * a),
-            Self::Linear(a) => Self::Linear(by * a),
-            Self::Quadratic(a) => Self::Quadratic(by * a),
-            Self::Bell(a) => Self::Bell(by * a),
-            Self::Step(a) => Self::Step(a / by),
-        }
-    }
 }
 
 /// Kurtosis that few samples can show, and samples for each of it where there are more: no sample knows the variance of rarer events.
@@ -508,17 +439,9 @@ fn named<const N: usize>(numbers: [(&str, Number); N]) -> Vec<(String, Number)> 
 
 fn judge(problem: &Value, truths: &[Truth], _: Duration) -> Result<Vec<Verdict>, RunError> {
     let problem = Problem::read(problem).ok_or(RunError::NoKinds)?;
-    let variance = truths.iter().find(|truth| truth.id == "variance").map_or(0.0, |it| it.value);
-    let has_surrogate = ["polynomial", "taylor"].contains(&problem.method.as_str())
-        || problem.method.ends_with("controlled");
     let verdict = |(name, number): (String, Number)| {
         let truth = truths.iter().find(|truth| truth.id == name)?.clone();
-        let scale = if name == "mean" { variance.sqrt() } else { 2.0 * variance };
-        let mut verdict = Verdict { truth, number, is_warned: false };
-        // Estimators with surrogates say in their documentation what events that no sample has met may change.
-        let unseen = 3.0 / (problem.points * problem.replicas) as f64 * scale;
-        verdict.is_warned = has_surrogate && !name.contains('/') && verdict.away() <= unseen;
-        Some(verdict)
+        Some(Verdict { truth, number, is_warned: false })
     };
     Ok(problem.estimates()?.into_iter().filter_map(verdict).collect())
 }

@@ -3,6 +3,7 @@
 mod crack_inference;
 mod density_methods;
 mod estimators;
+mod functions;
 mod linear_systems;
 mod peridyn_linear;
 mod peridyn_weakest_link;

@@ -11,7 +11,8 @@ use crate::{Family, Truth, Verdict};
 
 pub(super) const FAMILY: Family = Family {
     name: "smpm-responses",
-    known_by: "runs on the grid and by the steps of the scene, summed over the normals by trapezoidal rules",
+    known_by: "runs on the grid and by the steps of the scene, summed over the normals by trapezoidal rules; not judged above a kurtosis of \
+               eight and a quarter of the samples",
     weight: 1.5,
     draw,
     truths,

@@ -24,7 +24,7 @@ pub fn page(hunt: &Hunt, outcomes: &[Outcome], tally: &Tally) -> String {
          Settings are sensible, or hostile: valid and chosen badly, such as a lattice that ends within the distribution, twenty \
          paths, or steps as long as a method takes at all.\nA number without a stated error is *unknown*. *Silent* are numbers \
          that are off by more than ten stated errors and have no warning beside them. A run that would take longer than the hunt \
-         allows is *too long*; one that ends in another error is *refused*.\n\n\
+         allows is *too long*; one that ends in another error is *refused*. *Stated/true* leaves out what a run calls a bound.\n\n\
          | family | answers known by |\n|---|---|",
         outcomes.len()
     );

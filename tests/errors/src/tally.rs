@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use scenes::answers::ErrorOrigin;
+
 use crate::{Outcome, Verdict};
 
 /// Multiples of the stated error within which the truth is counted.
@@ -25,7 +27,9 @@ pub struct Row {
     pub within: [u64; 4],
     /// Numbers beyond ten stated errors that have no warning.
     pub silent: u64,
-    /// Numbers whose stated error is between half and five times the true one, or both of which are roundoff.
+    /// Numbers with a stated error that is a bound: it may be far above the true one.
+    pub bounds: u64,
+    /// Other numbers whose stated error is between half and five times the true one, or both of which are roundoff.
     pub fair: u64,
 }
 
@@ -87,19 +91,22 @@ impl Row {
             *count += u64::from(off <= limit);
         }
         self.silent += u64::from(verdict.is_silent());
-        self.fair += u64::from((0.2..=2.0).contains(&off) || verdict.is_of_roundoff());
+        if verdict.number.error_kind == ErrorOrigin::Bound {
+            self.bounds += 1;
+        } else {
+            self.fair += u64::from((0.2..=2.0).contains(&off) || verdict.is_of_roundoff());
+        }
     }
 
-    /// Part of the numbers with a stated error, of a count of them.
-    fn part(&self, count: u64) -> Option<f64> {
-        let stated = self.numbers - self.unknown;
-        (stated > 0).then(|| count as f64 / stated as f64)
+    /// Numbers with a stated error.
+    const fn stated(&self) -> u64 {
+        self.numbers - self.unknown
     }
 
     /// Part of the numbers with a stated error whose truth lies within two of them.
     #[must_use]
     pub fn within_two(&self) -> f64 {
-        self.part(self.within[1]).unwrap_or(1.0)
+        part(self.within[1], self.stated()).unwrap_or(1.0)
     }
 
     /// Part of the scenes that ended in an error.
@@ -107,6 +114,11 @@ impl Row {
     pub fn refused_part(&self) -> f64 {
         self.refused as f64 / (self.runs - self.too_long).max(1) as f64
     }
+}
+
+/// A part of a number of things; none of no thing.
+fn part(count: u64, of: u64) -> Option<f64> {
+    (of > 0).then(|| count as f64 / of as f64)
 }
 
 impl fmt::Display for Row {
@@ -118,8 +130,10 @@ impl fmt::Display for Row {
             write!(f, " | | ")?;
         }
         write!(f, " | {numbers} | {unknown}")?;
-        for count in self.within.into_iter().chain([fair]) {
-            match self.part(count) {
+        let estimates = self.stated() - self.bounds;
+        let within = self.within.map(|count| part(count, self.stated()));
+        for share in within.into_iter().chain([part(fair, estimates)]) {
+            match share {
                 Some(part) => write!(f, " | {:.1} %", 100.0 * part)?,
                 None => write!(f, " | ")?,
             }

@@ -17,7 +17,7 @@ const COARSER: [f64; 3] = [std::f64::consts::FRAC_1_SQRT_2, 0.8, 0.9];
 /// Orders of the error in the spacing: the one that the verification measures, and that of the cubic fit.
 const ORDERS: Orders = Orders { of_method: 2.0, largest: 4.0 };
 /// With a third run an observed order counts up to this one: smooth densities converge faster than the verification asks for.
-const OBSERVED: Orders = Orders { of_method: 3.0, largest: 4.0 };
+const OBSERVED: Orders = Orders { of_method: 4.0, largest: 6.0 };
 
 /// A fine run, and the coarser runs for its error.
 pub(super) struct Resolutions {
@@ -333,8 +333,8 @@ mod tests {
             Ok(run(value, &[1.0, 2.0]))
         });
         let error = both.values(|row| Some(row.moments[0]))[0].error.unwrap();
-        // The error of the coarser run is 0.4 / (2^1.5 - 1); that of the fine one falls with the order 4 at most, by 2^2.
-        assert!((error - 0.1 / (2.0_f64.powf(1.5) - 1.0)).abs() < 1e-12, "{error}");
+        // The error of the coarser run is 0.4 / (2^2 - 1); that of the fine one falls with the order 6 at most, by 2^3.
+        assert!((error - 0.4 / 3.0 / 8.0).abs() < 1e-12, "{error}");
     }
 
     /// A ball whose spacing is 1 at the whole resolution.

@@ -95,11 +95,9 @@ impl Sampled<'_> {
             ensemble.rows.iter().map(observed).collect()
         };
         let moment = |k: usize| {
-            let mut values = values(&|row| &row.moments[k]);
+            let values = values(&|row| &row.moments[k]).into_iter();
+            let mut values: Vec<_> = values.map(|it| it.unknown_for(ONE_PATH_DECIDES)).collect();
             for observed in &mut values {
-                if observed.error.is_none() {
-                    observed.note = Some(ONE_PATH_DECIDES.to_owned());
-                }
                 bias.add_to_moment(k, observed);
             }
             values

@@ -51,6 +51,10 @@ impl Estimator {
 /// Paths for which the bias of the steps is measured: the number of pairs is a part of it.
 const PATHS_OF_BIAS: u64 = 80_000;
 
+/// Why the scatter of subset simulation is unknown: see `sde_integrators::subset_simulation`.
+const RUNS_DIFFER: &str =
+    "the runs differ by too much, or one did not reach the event: take more samples";
+
 /// Steps of the linearisation that guides the paths, per period.
 const STEPS_OF_GUIDE: f64 = 20.0;
 
@@ -146,7 +150,8 @@ impl TailsOf<'_> {
             let paths = paths_to(&law, (t, n_steps), weights)?;
             for (k, &threshold) in asked.thresholds.iter().enumerate() {
                 let estimate = paths.subset(threshold, config, seed);
-                found.push((k, t), estimate.map(|it| Observed::of_estimate(t, &it)))?;
+                let observed = estimate.map(|it| Observed::of_estimate(t, &it).unknown_for(RUNS_DIFFER));
+                found.push((k, t), observed)?;
             }
             path_steps += paths.n_followed() * n_steps as u64;
             let done = (row as u64 + 1, asked.times.len() as u64);

@@ -29,9 +29,16 @@ fn mean_and_variance_survive_a_large_offset_however_the_sample_is_cut() {
 }
 
 #[test]
-fn a_probability_has_the_binomial_standard_error_or_the_rule_of_three() {
-    let some = Estimate::probability(3, 12).unwrap();
-    assert_eq!(some, Estimate { value: 0.25, uncertainty: Uncertainty::StandardError(0.125) });
+fn a_probability_has_the_error_of_wilsons_interval_or_the_rule_of_three() {
+    let error = |hits, trials| {
+        Estimate::probability(hits, trials).unwrap().standard_error().unwrap()
+    };
+    // Half the distance from 0.25 to the upper end, 0.5379, of Wilson's interval.
+    assert!((error(3, 12) - 0.14393).abs() < 1e-4);
+    assert_eq!(error(3, 12).to_bits(), error(9, 12).to_bits());
+    // Of many hits that of the binomial distribution; of one in many trials 1 + sqrt(2) hits.
+    assert!((error(300_000, 1_000_000) / (0.21_f64 / 1e6).sqrt() - 1.0).abs() < 1e-3);
+    assert!((error(1, 1_000_000) * 1e6 / 2.414 - 1.0).abs() < 1e-3);
     let none = Estimate::probability(0, 300).unwrap();
     assert_eq!(none, Estimate { value: 0.0, uncertainty: Uncertainty::Bound(0.01) });
     let all = Estimate::probability(300, 300).unwrap();
@@ -40,6 +47,27 @@ fn a_probability_has_the_binomial_standard_error_or_the_rule_of_three() {
     assert!((1.0_f64 - 0.01).powi(300) < 0.05);
     assert_eq!(none.to_string(), "0 +- 1.00e-2 (bound)");
     assert_eq!(none.standard_error(), None);
+}
+
+#[test]
+fn two_errors_contain_a_probability_in_nineteen_of_twenty_studies_of_it() {
+    let n = 200;
+    for expected in [0.3_f64, 1.0, 2.0, 4.0, 8.0, 30.0, 100.0, 170.0, 199.0] {
+        let p = expected / f64::from(n);
+        // Of 0 hits; each further count by the ratio of the binomial probabilities.
+        let (mut of_count, mut inside) = ((1.0 - p).powi(n), 0.0);
+        for hits in 0..=n {
+            let found = Estimate::probability(hits.unsigned_abs().into(), 200).unwrap();
+            let reach = match found.uncertainty {
+                Uncertainty::StandardError(error) => 2.0 * error,
+                Uncertainty::Bound(bound) => bound,
+                Uncertainty::Unknown => 0.0,
+            };
+            inside += if (found.value - p).abs() <= reach { of_count } else { 0.0 };
+            of_count *= f64::from(n - hits) / f64::from(hits + 1) * p / (1.0 - p);
+        }
+        assert!(inside > 0.95, "{expected}: {inside}");
+    }
 }
 
 #[test]

@@ -143,6 +143,12 @@ impl Observed {
         Self { t, value, error, error_kind, note: None, weights: None }
     }
 
+    /// Says why the error is unknown, where it is.
+    pub(crate) fn unknown_for(self, reason: &str) -> Self {
+        let note = self.error.is_none().then(|| reason.to_owned());
+        Self { note: self.note.or(note), ..self }
+    }
+
     /// An estimate of guided paths.
     pub(crate) fn of_guided(t: f64, found: &GuidedEstimate) -> Self {
         Self { weights: Some(WeightsRecord::of(found)), ..Self::of_estimate(t, &found.estimate) }

@@ -181,7 +181,7 @@ const OF_RUN: [OfRun; 3] = [
 struct SharedError(f64);
 
 /// Part of the shared error that each quantity has at least.
-const PART_SHARED: f64 = 0.5;
+const PART_SHARED: f64 = 0.25;
 
 impl SharedError {
     /// The largest of the moments: the relative error of a moment of order `n` is `n` times that of a scale.

@@ -150,7 +150,8 @@ impl TailsOf<'_> {
             let paths = paths_to(&law, (t, n_steps), weights)?;
             for (k, &threshold) in asked.thresholds.iter().enumerate() {
                 let estimate = paths.subset(threshold, config, seed);
-                let observed = estimate.map(|it| Observed::of_estimate(t, &it).unknown_for(RUNS_DIFFER));
+                let observed =
+                    estimate.map(|it| Observed::of_estimate(t, &it).unknown_for(RUNS_DIFFER));
                 found.push((k, t), observed)?;
             }
             path_steps += paths.n_followed() * n_steps as u64;

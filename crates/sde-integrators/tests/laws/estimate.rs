@@ -30,9 +30,8 @@ fn mean_and_variance_survive_a_large_offset_however_the_sample_is_cut() {
 
 #[test]
 fn a_probability_has_the_error_of_wilsons_interval_or_the_rule_of_three() {
-    let error = |hits, trials| {
-        Estimate::probability(hits, trials).unwrap().standard_error().unwrap()
-    };
+    let error =
+        |hits, trials| Estimate::probability(hits, trials).unwrap().standard_error().unwrap();
     // Half the distance from 0.25 to the upper end, 0.5379, of Wilson's interval.
     assert!((error(3, 12) - 0.14393).abs() < 1e-4);
     assert_eq!(error(3, 12).to_bits(), error(9, 12).to_bits());

@@ -49,13 +49,28 @@ impl Estimate {
         if hits > trials {
             return Err(Error::TooMany { quantity: "hits", value: k, limit: n });
         }
-        let value = k / n;
-        let uncertainty = if hits == 0 || hits == trials {
-            Uncertainty::Bound((3.0 / n).min(1.0))
+        Self::share(k / n, n)
+    }
+
+    /// As [`probability`](Self::probability), of a share of values that are worth a number of independent trials, such as all values
+    /// of some plates.
+    ///
+    /// # Errors
+    /// [`Error::NotPositive`] for a share that is not from 0 to 1, or trials that are not positive.
+    pub fn share(value: f64, trials: f64) -> Result<Self, Error> {
+        if !(0.0..=1.0).contains(&value) {
+            return Err(Error::NotPositive { quantity: "share, which is at most 1,", value });
+        }
+        if !(trials.is_finite() && trials > 0.0) {
+            return Err(Error::NotPositive { quantity: "trials", value: trials });
+        }
+        let rare = value.min(1.0 - value);
+        let uncertainty = if rare > 0.0 {
+            let (m, n) = (rare * trials, trials);
+            let end = (m + 2.0 + 2.0 * (m * (1.0 - rare) + 1.0).sqrt()) / (n + 4.0);
+            Uncertainty::StandardError(0.5 * (end - rare))
         } else {
-            let m = k.min(n - k);
-            let end = (m + 2.0 + 2.0 * (m * (n - m) / n + 1.0).sqrt()) / (n + 4.0);
-            Uncertainty::StandardError(0.5 * (end - m / n))
+            Uncertainty::Bound((3.0 / trials).min(1.0))
         };
         Ok(Self { value, uncertainty })
     }

@@ -52,8 +52,7 @@ impl Estimator {
 const PATHS_OF_BIAS: u64 = 80_000;
 
 /// Why the scatter of subset simulation is unknown: see `sde_integrators::subset_simulation`.
-const RUNS_DIFFER: &str =
-    "the runs differ by too much, or one did not reach the event: take more samples";
+const FEW_SAMPLES: &str = "a run did not reach the event, or a level has fewer than 30 samples for each power of ten: take more samples";
 
 /// Steps of the linearisation that guides the paths, per period.
 const STEPS_OF_GUIDE: f64 = 20.0;
@@ -151,7 +150,7 @@ impl TailsOf<'_> {
             for (k, &threshold) in asked.thresholds.iter().enumerate() {
                 let estimate = paths.subset(threshold, config, seed);
                 let observed =
-                    estimate.map(|it| Observed::of_estimate(t, &it).unknown_for(RUNS_DIFFER));
+                    estimate.map(|it| Observed::of_estimate(t, &it).unknown_for(FEW_SAMPLES));
                 found.push((k, t), observed)?;
             }
             path_steps += paths.n_followed() * n_steps as u64;

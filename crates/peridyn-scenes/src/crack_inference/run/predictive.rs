@@ -170,13 +170,7 @@ fn at_most(inside: u64, n: u64) -> f64 {
 pub(super) fn share(compared: &[Compared]) -> Option<Estimate> {
     let plates = compared.iter().map(|it| it.counts[1]).min()? as f64;
     let [inside, all] = [0, 1].map(|k| compared.iter().map(|it| it.counts[k]).sum::<u64>());
-    let value = inside as f64 / all as f64;
-    let uncertainty = if inside == 0 || inside == all {
-        Uncertainty::Bound((3.0 / plates).min(1.0))
-    } else {
-        Uncertainty::StandardError((value * (1.0 - value) / plates).sqrt())
-    };
-    Some(Estimate { value, uncertainty })
+    Estimate::share(inside as f64 / all as f64, plates).ok()
 }
 
 /// The band of values by draw; none without values.
@@ -251,8 +245,7 @@ mod tests {
             counts: [inside, 10],
         };
         let found = share(&[of(10), of(8)]).unwrap();
-        assert!((found.value - 0.9).abs() < 1e-15);
-        assert!((found.standard_error().unwrap() - (0.09_f64 / 10.0).sqrt()).abs() < 1e-15);
+        assert_eq!(found, Estimate::probability(9, 10).unwrap());
         assert_eq!(share(&[of(10)]).unwrap().uncertainty, Uncertainty::Bound(0.3));
         assert_eq!(share(&[]), None);
     }

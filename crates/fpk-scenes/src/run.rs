@@ -356,9 +356,9 @@ impl Solved<'_> {
             let density = Density { start: || start(config), asked, past: reached };
             self.density(name, density, None)
         })?;
-        let outside =
-            |powers: &[u32; D]| whole.lattice.moment_outside(&deviations, powers.iter().sum());
-        let beyond_reach: Vec<f64> = asked.powers.iter().map(outside).collect();
+        let lacking =
+            |powers: &[u32; D]| whole.lattice.moment_lacking(&deviations, powers.iter().sum());
+        let beyond_reach: Vec<f64> = asked.powers.iter().map(lacking).collect();
         let quantities = series(&both, scene, named, &beyond_reach);
         let lost_tail = if repeated.is_none() { lost_tail(scene) } else { None };
         let parts = [

@@ -148,7 +148,11 @@ impl LatticeScene {
         let combination = method.combination_in(D);
         let remapping = fresh_lattices.map(|asked| {
             let FreshLatticesScene { most_uneven, outermost_mass, most_change } = asked;
-            Remapping { most_uneven, outermost_mass, most_change, ..Remapping::MEASURED }
+            let most_particles = match D {
+                1 => MOST_ALONG_A_LINE,
+                _ => Remapping::MEASURED.most_particles,
+            };
+            Remapping { most_uneven, outermost_mass, most_change, most_particles }
         });
         let step = steps_per_period.map_or(combination.step, |steps_per_period| {
             StepRule::PeriodFraction { steps_per_period }
@@ -258,6 +262,10 @@ fn scaled_count(count: usize, scale: f64) -> usize {
     // The nearest integer number of intervals.
     1 + (1..=MOST_PER_AXIS).take_while(|&n| n as f64 <= intervals + 0.5).last().unwrap_or(0)
 }
+
+/// Most particles of one state on a new lattice. A lattice that is refined without end, where a density closes on a boundary, was
+/// refused at 100,000 particles after four minutes.
+const MOST_ALONG_A_LINE: usize = 10_000;
 
 /// Largest number of particles along an axis: their square fits the neighbour lists and the memory of a workstation.
 const MOST_PER_AXIS: usize = 2_000;

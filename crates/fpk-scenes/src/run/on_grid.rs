@@ -16,7 +16,20 @@ use crate::system::System;
 struct Row {
     t: f64,
     moments: Vec<f64>,
+    /// Second moments of both states.
+    squares: [f64; 2],
     exceedances: Vec<f64>,
+}
+
+impl Row {
+    /// The scale of a moment by the second moments: of `q v` the product of both deviations, of `q^4` three squares.
+    fn scale(&self, powers: [u32; 2]) -> f64 {
+        let of = |power: u32| if power == 4 { 3.0 } else { 1.0 };
+        let exponents = powers.map(|power| 0.5 * f64::from(power));
+        of(powers[0].max(powers[1]))
+            * self.squares[0].powf(exponents[0])
+            * self.squares[1].powf(exponents[1])
+    }
 }
 
 /// Runs the grid of the scene, and those that are coarser in steps and in cells.
@@ -39,7 +52,8 @@ pub(super) fn solve(
             let done = (rows.len() as u64 + 1, asked.times.len() as u64);
             run.progress.at(done, || progress_words(scene, system, t, &moments));
             let exceedances = asked.thresholds.iter().map(|&limit| density.exceedance(limit));
-            rows.push(Row { t, moments, exceedances: exceedances.collect() });
+            let squares = [density.raw_moment([2, 0])?, density.raw_moment([0, 2])?];
+            rows.push(Row { t, moments, squares, exceedances: exceedances.collect() });
         }
         Ok((rows, density.steps()))
     };
@@ -81,20 +95,33 @@ pub(super) fn solve(
     let values = |pick: &dyn Fn(&Row) -> f64| {
         Observed::of_runs(&fine, &refinements, &|row| (row.t, pick(row)))
     };
+    // A normal distribution has its moments and probabilities beyond the grid as beyond a lattice of the same reach.
+    let lattice = InitialLattice::Box { reach: config.reach, count: [3; 2] };
     let exceedance = |k: usize| {
         let beyond = "no mass of the grid is beyond the threshold";
+        let outside = lattice.moment_outside(&[1.0; 2], 0);
         let values = values(&|row| row.exceedances[k]).into_iter();
-        values.map(|observed| observed.without_zero_error(beyond)).collect()
+        let complete = |mut observed: Observed| {
+            if observed.value <= outside {
+                observed.bounded_by(outside);
+            } else {
+                observed.may_lack(outside);
+            }
+            observed.without_zero_error(beyond)
+        };
+        values.map(complete).collect()
     };
     let moment = |k: usize| {
-        let outside = beyond_reach(config.reach, asked.powers[k]);
-        let values = values(&|row| row.moments[k]).into_iter();
+        let lacking = lattice.moment_lacking(&[1.0; 2], asked.powers[k].iter().sum());
+        let scale = |observed: &Observed| {
+            let row = fine.iter().find(|row| row.t.to_bits() == observed.t.to_bits());
+            row.map_or(0.0, |row| row.scale(asked.powers[k])).max(observed.value.abs())
+        };
+        let mut values = values(&|row| row.moments[k]);
+        for observed in &mut values {
+            observed.add_error(Some(lacking * scale(observed)));
+        }
         values
-            .map(|mut observed| {
-                observed.add_error(Some(outside * observed.value.abs()));
-                observed
-            })
-            .collect()
     };
     let quantities = asked_series(scene, system, &moment, &exceedance);
     let unknown = (!failed.is_empty()).then(|| Unknown {
@@ -105,12 +132,6 @@ pub(super) fn solve(
         ),
     });
     Ok(Content { work, unknown: unknown.into_iter().collect(), quantities, ..Content::default() })
-}
-
-/// Part of a moment that a normal distribution has beyond the grid.
-fn beyond_reach(reach: f64, powers: [u32; 2]) -> f64 {
-    let grid = InitialLattice::Box { reach, count: [3; 2] };
-    grid.moment_outside(&[1.0; 2], powers.iter().sum())
 }
 
 /// Ratio of the resolutions of the coarser runs. A grid coarser in cells and steps at once lets the two errors cancel: for the damper the

@@ -144,8 +144,10 @@ impl TailsOf<'_> {
         let mut found = probabilities(scene, how, &asked);
         run.progress.stage(how.name());
         let (clock, mut path_steps) = (CpuClock::start(), 0);
+        // Steps end at each observation, as those of the pairs of paths that show their bias.
+        let each = steps(scene.times.every, step);
         for (row, &t) in asked.times.iter().enumerate() {
-            let n_steps = steps(t, step);
+            let n_steps = (row + 1) * each;
             let paths = paths_to(&law, (t, n_steps), weights)?;
             for (k, &threshold) in asked.thresholds.iter().enumerate() {
                 let estimate = paths.subset(threshold, config, seed);

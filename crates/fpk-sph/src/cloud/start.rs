@@ -85,6 +85,14 @@ impl<const D: usize> InitialLattice<D> {
             }
         }
     }
+
+    /// What a normal distribution has of a moment beyond the lattice, over what it has within: `f/(1 - f)` of the
+    /// [part](Self::moment_outside) `f` beyond it. It is the relative error of a moment of the particles.
+    #[must_use]
+    pub fn moment_lacking(&self, deviations: &[f64; D], order: u32) -> f64 {
+        let part = self.moment_outside(deviations, order);
+        part / (1.0 - part)
+    }
 }
 
 impl InitialLattice<2> {
@@ -176,6 +184,7 @@ mod tests {
         let ball = InitialLattice::<2>::Ball { reach: 3.0, spacing: 0.5 };
         let exact = (1.0 + 4.5) * (-4.5_f64).exp();
         assert!((ball.moment_outside(&[1.0, 2.0], 2) / exact - 1.0).abs() < 1e-12);
+        assert!((ball.moment_lacking(&[1.0, 2.0], 2) / exact * (1.0 - exact) - 1.0).abs() < 1e-12);
         // Along one axis E[x^2; |x| > R] = Q_1 + 2 R phi(R).
         let line = InitialLattice::<1>::Box { reach: 2.0, count: [9] };
         let density = (-2.0_f64).exp() / std::f64::consts::TAU.sqrt();

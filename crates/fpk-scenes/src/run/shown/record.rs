@@ -210,7 +210,7 @@ fn order(powers: &[u32]) -> u32 {
 
 /// All quantities of the scene, without those that the method does not compute.
 ///
-/// `beyond_reach` is the part of each moment beyond the lattice.
+/// `beyond_reach` is what each moment has beyond the lattice over what it has within.
 pub(in crate::run) fn series(
     both: &Resolutions,
     scene: &FpkScene,

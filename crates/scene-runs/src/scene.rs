@@ -53,6 +53,9 @@ pub trait Scene: Sized {
     }
 }
 
+/// Most bytes of a scene; its tree takes ninety times as many in memory.
+const MOST_BYTES: u64 = 1 << 24;
+
 /// The text of a scene: well-formed JSON without duplicate keys or numbers out of range.
 #[derive(Debug, Clone)]
 pub struct SceneFile {
@@ -65,11 +68,10 @@ impl SceneFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`SceneError`] for a missing file, bytes that are not UTF-8, and all errors of [`SceneFile::from_text`].
+    /// [`SceneError`] for a missing file, one of more than 16 MiB, bytes that are not UTF-8, and all errors of [`SceneFile::from_text`].
     pub fn read(path: &Path) -> Result<Self, SceneError> {
-        let bytes = std::fs::read(path).map_err(|source| SceneError::Unreadable {
-            path: path.display().to_string(),
-            source,
+        let bytes = named_file::read_at_most(path, MOST_BYTES).map_err(|source| {
+            SceneError::Unreadable { path: path.display().to_string(), source }
         })?;
         let text = String::from_utf8(bytes).map_err(|error| SceneError::NotUtf8 {
             path: path.display().to_string(),

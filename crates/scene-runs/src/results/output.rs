@@ -40,11 +40,14 @@ pub fn write_json<T: Serialize + ?Sized>(path: &Path, value: &T) -> Result<(), O
     write_text(path, &text).map_err(|source| OutputError::Io { path: path.into(), source })
 }
 
-/// Writes `text`; creates missing folders.
+/// Writes `text`; creates missing folders. A symbolic link of that name is replaced, so that the file it points to stays as it is.
 ///
 /// # Errors
 /// Errors of the file system.
 pub fn write_text(path: &Path, text: &str) -> io::Result<()> {
+    if path.is_symlink() {
+        std::fs::remove_file(path)?;
+    }
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder)?;
     }
@@ -78,4 +81,23 @@ pub fn write_drawing(drawing: &Drawing, folder: &Path) -> io::Result<PathBuf> {
     write_text(&file, text)?;
     write_text(&folder.join(format!("{}.json", drawing.name)), &drawing.data)?;
     Ok(file)
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_link_is_replaced_and_its_target_stays() {
+        let folder = std::env::temp_dir().join(format!("link-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (target, link) = (folder.join("notes"), folder.join("result.json"));
+        std::fs::write(&target, "mine").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        write_text(&link, "{}").unwrap();
+        assert!(!link.is_symlink());
+        let read = |path| std::fs::read_to_string(path).unwrap();
+        assert_eq!((read(&target), read(&link)), ("mine".to_owned(), "{}".to_owned()));
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -1,6 +1,7 @@
 //! Files that a scene names.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -19,9 +20,9 @@ impl NamedFile {
     /// Reads a file relative to the folder of a scene, and computes its hash.
     ///
     /// # Errors
-    /// Errors of the file system.
+    /// Errors of the file system; [`io::ErrorKind::FileTooLarge`] above 1 GiB, also of a device without an end.
     pub fn read(path: &str, folder: &Path) -> io::Result<(Self, Vec<u8>)> {
-        let bytes = std::fs::read(folder.join(path))?;
+        let bytes = read_at_most(&folder.join(path), MOST_BYTES)?;
         Ok((Self::of(path, &bytes), bytes))
     }
 
@@ -31,6 +32,20 @@ impl NamedFile {
         let xxh64 = format!("{:016x}", XxHash64::oneshot(0, bytes));
         Self { path: path.to_owned(), xxh64 }
     }
+}
+
+/// Most bytes of a file that a scene names.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Reads a file of at most so many bytes.
+pub(super) fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let message = format!("it has more than {most} bytes, the most that is read");
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+    }
+    Ok(bytes)
 }
 
 #[cfg(test)]
@@ -47,6 +62,10 @@ mod tests {
             let (file, bytes) = NamedFile::read("points.csv", &folder).unwrap();
             assert_eq!((file.xxh64.as_str(), bytes.as_slice()), (xxh64, contents.as_bytes()));
         }
+        let path = folder.join("points.csv");
+        assert_eq!(read_at_most(&path, 3).unwrap(), b"abc");
+        let error = read_at_most(&path, 2).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::FileTooLarge);
         std::fs::remove_dir_all(&folder).unwrap();
         assert!(NamedFile::read("points.csv", &folder).is_err());
     }

@@ -90,7 +90,7 @@ fn parse(origin: &Origin) -> Result<Value<'_>, SceneError> {
     tree.value.ok_or_else(|| SceneError::Empty { path: origin.name.clone() })
 }
 
-/// Rejects duplicate keys and numbers beyond the range of a double.
+/// Rejects duplicate keys, numbers beyond the range of a double, and texts that would move the cursor of a terminal.
 fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
     let mut open = vec![(String::new(), tree)];
     while let Some((path, value)) = open.pop() {
@@ -102,6 +102,7 @@ fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
                 let range = range_of(value);
                 return Err(SceneError::at(origin, &path, range, message, "too large", help));
             }
+            Value::StringLit(text) => check_text(origin, &path, (&text.value, range_of(value)))?,
             Value::Object(object) => {
                 check_keys(origin, &path, object)?;
                 // Last in, first out: the first error in the text is reported.
@@ -120,10 +121,22 @@ fn check_tree(origin: &Origin, tree: &Value<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
+fn check_text(
+    origin: &Origin,
+    path: &str,
+    (text, range): (&str, Range<usize>),
+) -> Result<(), SceneError> {
+    let is_moving = |letter: &char| letter.is_control() && !matches!(letter, '\n' | '\t');
+    let Some(found) = text.chars().find(is_moving) else { return Ok(()) };
+    let message = format!("the text has the control character U+{:04X}", u32::from(found));
+    Err(SceneError::at(origin, path, range, message, "not printable", None))
+}
+
 fn check_keys(origin: &Origin, path: &str, object: &Object<'_>) -> Result<(), SceneError> {
     let mut first_line = BTreeMap::new();
     for property in &object.properties {
         let (name, range) = (property.name.as_str(), range_of(&property.name));
+        check_text(origin, path, (name, range.clone()))?;
         let line = origin.text[..range.start].matches('\n').count() + 1;
         if let Some(first) = first_line.insert(name, line) {
             let message = format!("the key `{name}` is given twice");

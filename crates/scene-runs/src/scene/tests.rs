@@ -132,6 +132,13 @@ fn a_removed_name_is_reported_with_its_successor() {
 }
 
 #[test]
+fn a_text_that_would_move_the_cursor_of_a_terminal_is_refused() {
+    let message = "the text has the control character U+001B";
+    assert_eq!(mistake("viscous_damper", "\\u001b[2J", (3, 15), "system", message), None);
+    assert_eq!(mistake("self-check", "\\u001b[2J", (2, 13), "solver", message), None);
+}
+
+#[test]
 fn numbers_out_of_range_are_refused() {
     let path = "system.viscous_damper.intensity";
     mistake("0.2", "1e999", (3, 48), path, "the number 1e999 is beyond the range of a double");

@@ -291,10 +291,11 @@ fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// The folder above this package, reported by cargo.
+/// The folder above this package, reported by cargo; without cargo the current one, whole: some commands run elsewhere.
 fn workspace() -> PathBuf {
     let package = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
-    package.as_deref().and_then(Path::parent).map_or_else(|| ".".into(), Path::to_owned)
+    let current = || std::env::current_dir().unwrap_or_else(|_| ".".into());
+    package.as_deref().and_then(Path::parent).map_or_else(current, Path::to_owned)
 }
 
 /// Path of a package's binary in a profile.

@@ -17,6 +17,8 @@ pub struct Requested<const D: usize = 2> {
     pub demand: Demand,
     /// Thresholds `T` of `P(|y| > T)` for the demand `y`.
     pub thresholds: Vec<f64>,
+    /// Times at which the noise has a kink, in increasing order: a step ends at each, since one across it loses its order.
+    pub kinks: Vec<f64>,
     /// Whether to integrate over the particles' cells, which requires a flow map.
     pub cells: bool,
 }
@@ -321,7 +323,7 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
     let mut run = DensityRun { rows, n_particles, work: Work::default(), stopped: None };
     for &t in asked.times.iter().skip(run.rows.len()) {
         let start = CpuClock::start();
-        let outcome = simulation.advance_while(t, goes_on);
+        let outcome = advance_over(&mut simulation, &asked.kinks, t, goes_on);
         cpu_seconds += start.seconds();
         let is_halted = outcome.is_ok() && simulation.density().time() < t;
         let row = outcome.and_then(|()| {
@@ -356,6 +358,32 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
     run.work = work(simulation.density());
     Ok(run)
 }
+
+/// Steps to a time, with a step that ends at each kink before it.
+fn advance_over<S, O: DensitySimulation<S, D, M>, const D: usize, const M: usize>(
+    simulation: &mut O,
+    kinks: &[f64],
+    end: f64,
+    goes_on: &mut (dyn FnMut(f64) -> bool + Send),
+) -> Result<(), Error>
+where
+    S: Sde<D, M>,
+{
+    let least = LEAST_PART * (end - simulation.density().time());
+    for &kink in kinks {
+        let is_ahead = kink - simulation.density().time() > least && end - kink > least;
+        if is_ahead {
+            simulation.advance_while(kink, goes_on)?;
+            if simulation.density().time() < kink {
+                return Ok(());
+            }
+        }
+    }
+    simulation.advance_while(end, goes_on)
+}
+
+/// Part of the time between observations that a step to a kink takes at least: a multistep scheme divides by it.
+const LEAST_PART: f64 = 1e-6;
 
 fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
     simulation: &Simulation<S, D, M>,

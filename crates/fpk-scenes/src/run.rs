@@ -312,8 +312,10 @@ impl Solved<'_> {
     {
         let Self { scene, system: named, run, .. } = self;
         let no_cells = no_cells(&scene.method, D);
-        let asked = scene.requested::<D>(named, no_cells.is_none())?;
-        let interval = scene.times.every / period;
+        let mut asked = scene.requested::<D>(named, no_cells.is_none())?;
+        let config = scene.method.density_config::<D>(period, 1.0);
+        let interval;
+        (interval, asked.kinks) = step_runs::Interval::of_scene(scene, config.as_ref(), period);
         let (asked, start) = (&asked, &start);
         let solve = |part: &str, attempt: &Attempt| {
             let whole = attempt.method.density_config::<D>(period, attempt.fineness);

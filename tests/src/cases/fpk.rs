@@ -115,6 +115,7 @@ fn asked(times: &[f64], problem: &Problem, cells: bool) -> Requested {
         powers: POWERS.to_vec(),
         demand: Demand::displacement(),
         thresholds: problem.scene.thresholds.clone(),
+        kinks: Vec::new(),
         cells,
     }
 }

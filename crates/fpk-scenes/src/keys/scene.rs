@@ -225,6 +225,7 @@ impl FpkScene {
             powers: self.moments.iter().map(powers).collect::<Result<_, _>>()?,
             demand: demand.map_err(|_| RunError::solver(OtherDimension { states: D }))?,
             thresholds: self.thresholds.clone(),
+            kinks: Vec::new(),
             cells,
         })
     }

@@ -66,30 +66,39 @@ pub(super) fn solve(
     let work =
         WorkRecord { steps: Some(steps), cpu_seconds: clock.seconds(), ..WorkRecord::default() };
     let mut failed = Vec::new();
-    let mut coarser = |config: &GridConfig, what: &str| {
-        run.progress.stage(&format!("grid coarser {what}, for its error"));
+    let mut other = |config: &GridConfig, what: &str| {
+        run.progress.stage(&format!("grid {what}, for its error"));
         let rows = follow(config).map(|(rows, _)| rows);
         rows.unwrap_or_else(|error| {
-            failed.push(format!("coarser {what}: {error}"));
+            failed.push(format!("{what}: {error}"));
             Vec::new()
         })
     };
     let (ratio, next) = pairs.ratios();
-    let coarse = (coarser(&with_pairs(&config, pairs.coarse, every), "in steps"), ratio);
+    let coarse = (other(&with_pairs(&config, pairs.coarse, every), "coarser in steps"), ratio);
     // One that is too coarse for the scheme is left out.
     let coarsest = pairs.coarsest.zip(next).and_then(|(n, next)| {
         let config = with_pairs(&config, n, every);
         let is_admitted = config.steps_per_period >= FEWEST_STEPS_OF_COARSEST;
-        is_admitted.then(|| (coarser(&config, "twice in steps"), next))
+        is_admitted.then(|| (other(&config, "coarser twice in steps"), next))
     });
     let of_steps = Refinement { coarse, coarsest, orders: Orders { of_method: 2.0, largest: 4.0 } };
-    let (coarse, ratio) = with_fewer_cells(&config);
-    let (coarsest, next) = with_fewer_cells(&coarse);
-    let of_cells = Refinement {
-        coarse: (coarser(&coarse, "in cells"), ratio),
-        coarsest: (coarsest.cells >= FEWEST_CELLS_OF_COARSEST)
-            .then(|| (coarser(&coarsest, "twice in cells"), next)),
-        orders: Orders { of_method: 3.0, largest: 5.0 },
+    let (coarse, ratio) = with_cells(&config, 1.0 / RATIO);
+    let (coarsest, next) = with_cells(&coarse, 1.0 / RATIO);
+    let of_cells = if coarsest.cells >= FEWEST_CELLS_OF_COARSEST {
+        Refinement {
+            coarse: (other(&coarse, "coarser in cells"), ratio),
+            coarsest: Some((other(&coarsest, "coarser twice in cells"), next)),
+            orders: Orders { of_method: 3.0, largest: 5.0 },
+        }
+    } else {
+        // One grid that is coarser still does not show an error that changes its sign: of 27 cells it was 16 times too small.
+        let (finer, ratio) = with_cells(&config, RATIO);
+        Refinement {
+            coarse: (other(&finer, "finer in cells"), ratio),
+            coarsest: None,
+            orders: Orders { of_method: 2.0, largest: 2.0 },
+        }
     };
     let refinements = [of_steps, of_cells];
     let values = |pick: &dyn Fn(&Row) -> f64| {
@@ -127,7 +136,7 @@ pub(super) fn solve(
     let unknown = (!failed.is_empty()).then(|| Unknown {
         what: "errors of all quantities".to_owned(),
         reason: format!(
-            "they are estimated from coarser runs, which failed: {}",
+            "they are estimated from runs on other grids, which failed: {}",
             failed.join("; ")
         ),
     });
@@ -146,9 +155,9 @@ fn with_pairs(grid: &GridConfig, n: u32, every: f64) -> GridConfig {
     GridConfig { steps_per_period: 2.0 * f64::from(n) * grid.period / every, ..*grid }
 }
 
-/// A grid with fewer cells, and the ratio of their numbers.
-fn with_fewer_cells(grid: &GridConfig) -> (GridConfig, f64) {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "fewer than cells")]
-    let cells = (grid.cells as f64 / RATIO).round() as usize;
+/// A grid with another number of cells, and the ratio of its width of a cell to that of the first.
+fn with_cells(grid: &GridConfig, factor: f64) -> (GridConfig, f64) {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "about as many")]
+    let cells = (grid.cells as f64 * factor).round() as usize;
     (GridConfig { cells, ..*grid }, grid.cells as f64 / cells as f64)
 }

@@ -21,7 +21,7 @@ pub(crate) struct Coarser {
 /// $$ \epsilon = \frac{|f_1 - f_2|}{r^p - 1}, \qquad p = \frac{\ln(|f_2 - f_3| / |f_1 - f_2|)}{\ln s}, $$
 ///
 /// with the ratios `r` and `s` of the resolutions. The observed order `p` counts between 1 and the order of the method, which is taken
-/// where there is no third value. The error is at least `|f_2 - f_3| / (s^p - 1) / r^q` at the order of the method `p` and the largest
+/// where there is no third value; then the other one may also be finer, `r < 1`. The error is at least `|f_2 - f_3| / (s^p - 1) / r^q` at the order of the method `p` and the largest
 /// order `q`: a smaller difference is a change of sign.
 pub(crate) fn error_of_finest(
     finest: f64,
@@ -30,7 +30,7 @@ pub(crate) fn error_of_finest(
     orders: Orders,
 ) -> f64 {
     let difference = (finest - coarse.value).abs();
-    let by_order = |order: f64| difference / (coarse.ratio.powf(order) - 1.0);
+    let by_order = |order: f64| difference / (coarse.ratio.powf(order) - 1.0).abs();
     let Some(coarsest) = coarsest else { return by_order(orders.of_method) };
     let before = (coarse.value - coarsest.value).abs();
     let order = (before / difference).ln() / coarsest.ratio.ln();
@@ -92,6 +92,14 @@ mod tests {
             let found = error([at(1.0), at(2.0), at(4.0)]);
             assert!((found / 1e-3 - 1.0).abs() < 1e-9, "{order}: {found}");
         }
+    }
+
+    #[test]
+    fn a_finer_value_shows_the_error_as_a_coarser_one_does() {
+        let at = |h: f64| 1.0 + 1e-3 * h.powi(4);
+        let finer = Coarser { value: at(0.5), ratio: 0.5 };
+        let found = error_of_finest(at(1.0), finer, None, ORDERS);
+        assert!((found / 1e-3 - 1.0).abs() < 1e-9, "{found}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use scene_runs::answers::Unknown;
 
 use super::observed::Observed;
 use super::resolution_error::{self, Orders, error_of_finest};
-use super::step_runs::{StepRuns, step_runs, with_steps_of_interval};
+use super::step_runs::{Interval, StepRuns, step_runs, with_steps_of_interval};
 use crate::density::{DensityRun, Row};
 
 /// Resolutions of the coarser runs, as particles along a length relative to the fine run.
@@ -59,14 +59,14 @@ impl Resolutions {
     /// as fast ([`Config::with_slower_settling`]).
     ///
     /// The first argument is the configuration for a fraction of the particles along a length; that of `solve` has the name of the run.
-    /// `interval` is that between observations in reference periods. The error of the steps is measured on the coarser lattice, by runs
+    /// The error of the steps is measured on the coarser lattice, by runs
     /// with longer ones ([`step_runs`]). A failure of a coarser run does not count against the fine one.
     ///
     /// # Errors
     /// Errors of `solve` that are not errors of the solver.
     pub(super) fn new<E, const D: usize>(
         fine: DensityRun,
-        (config, interval): (impl Fn(f64) -> Option<Config<D>>, f64),
+        (config, interval): (impl Fn(f64) -> Option<Config<D>>, Interval),
         solve: impl Fn(&str, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
     ) -> Result<Self, E> {
         let (mut coarser, mut failed) = (Vec::new(), Vec::new());
@@ -305,7 +305,8 @@ mod tests {
         let solve = |name: &str, config: &Config<D>| {
             Ok::<_, std::convert::Infallible>(solve(name, config).map(|run| counted(run, config)))
         };
-        Resolutions::new(fine, (config, 1.0), solve).unwrap()
+        let interval = Interval { periods: 1.0, has_kinks: false };
+        Resolutions::new(fine, (config, interval), solve).unwrap()
     }
 
     /// Its step in periods.

@@ -4,11 +4,12 @@ use fpk_sph::{Combination, Config, Error, Method, StepRule};
 
 use super::resolution_error::{Coarser, Orders, StepsOfInterval, error_of_finest};
 use crate::density::DensityRun;
+use crate::scene::FpkScene;
 
 /// Runs on one lattice with other steps than those of the fine run.
 pub(super) enum StepRuns {
-    /// Longer steps, with the ratio to those of the next shorter ones.
-    Longer { coarse: (DensityRun, f64), coarsest: Option<(DensityRun, f64)> },
+    /// Longer steps, with the ratio to those of the next shorter ones, and the order in them.
+    Longer { coarse: (DensityRun, f64), coarsest: Option<(DensityRun, f64)>, order: f64 },
     /// Half the step, where a limit of stability does not let it be longer.
     Halved(DensityRun),
     /// None came so far.
@@ -25,16 +26,50 @@ impl StepRuns {
         match self {
             Self::Failed => None,
             Self::Halved(run) => Some((value - pick(run)?).abs()),
-            Self::Longer { coarse, coarsest } => {
+            Self::Longer { coarse, coarsest, order } => {
                 let at = |(run, ratio): &(DensityRun, f64)| {
                     Some(Coarser { value: pick(run)?, ratio: *ratio })
                 };
                 let coarsest = coarsest.as_ref().and_then(at);
-                let of_method = if coarsest.is_some() { 4.0 } else { 2.0 };
-                let orders = Orders { of_method, largest: 4.0 };
+                let orders = Orders { of_method: *order, largest: 4.0 };
                 Some(error_of_finest(value, at(coarse)?, coarsest, orders))
             }
         }
+    }
+}
+
+/// The time between observations, as the steps see it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Interval {
+    /// In reference periods.
+    pub(super) periods: f64,
+    /// Whether steps cross kinks of the noise.
+    pub(super) has_kinks: bool,
+}
+
+impl Interval {
+    /// Of a scene, and the kinks of its noise at which steps end: all of them, unless a tabulated window has more rows than the run has
+    /// steps.
+    pub(super) fn of_scene<const D: usize>(
+        scene: &FpkScene,
+        config: Option<&Config<D>>,
+        period: f64,
+    ) -> (Self, Vec<f64>) {
+        let until = scene.times.until;
+        let mut kinks = scene.system.kinks();
+        kinks.retain(|&t| t > 0.0 && t < until);
+        kinks.sort_by(f64::total_cmp);
+        let steps = match config.map(|config| config.method.combination_in(D).step) {
+            Some(StepRule::PeriodFraction { steps_per_period }) => {
+                steps_per_period * until / period
+            }
+            _ => 0.0,
+        };
+        let has_kinks = kinks.len() as f64 > steps;
+        if has_kinks {
+            kinks.clear();
+        }
+        (Self { periods: scene.times.every / period, has_kinks }, kinks)
     }
 }
 
@@ -42,7 +77,7 @@ impl StepRuns {
 /// about the same length. None by a rule whose steps follow the spacing.
 pub(super) fn step_runs<E, const D: usize>(
     (config, base): (&Config<D>, &DensityRun),
-    interval: f64,
+    Interval { periods: interval, has_kinks }: Interval,
     solve: impl Fn(&str, &Config<D>) -> Result<Result<DensityRun, Error>, E>,
 ) -> Result<Option<StepRuns>, E> {
     let StepRule::PeriodFraction { steps_per_period } = config.method.combination_in(D).step else {
@@ -63,7 +98,12 @@ pub(super) fn step_runs<E, const D: usize>(
             None => None,
         };
         let coarsest = coarsest.and_then(|run| longer(run, &coarse.0));
-        return Ok(Some(StepRuns::Longer { coarse, coarsest }));
+        let order = match (has_kinks, &coarsest) {
+            (true, _) => 1.0,
+            (false, None) => 2.0,
+            (false, Some(_)) => 4.0,
+        };
+        return Ok(Some(StepRuns::Longer { coarse, coarsest, order }));
     }
     let each = base.work.steps as f64 / base.rows.len() as f64;
     let halved = solve("half the step", &with_steps(*config, |_| 2.0 * each / interval))?.ok();
@@ -76,7 +116,7 @@ const LEAST_RATIO: f64 = 1.2;
 /// The configuration with a whole number of steps in an interval between observations, two at least, so that a coarser run has fewer.
 pub(super) fn with_steps_of_interval<const D: usize>(
     config: Config<D>,
-    interval: f64,
+    Interval { periods: interval, .. }: Interval,
 ) -> Config<D> {
     with_steps(config, |steps_per_period| {
         f64::from(StepsOfInterval::new(steps_per_period * interval, 2.0).fine) / interval

@@ -113,12 +113,15 @@ impl<'a> GridDensity<'a> {
         while done < 2.0 * pairs {
             let t = from + done * tau;
             let is_even = done % 2.0 == 0.0;
+            let noise = self.noise_variance(t, tau)?;
             if is_even {
-                self.kick(t, tau)?;
-                self.diffuse(t, tau)?;
+                // The axis holds the noise of this step and of the next, which comes before its kick.
+                let ahead = noise + self.noise_variance(t + tau, tau)?;
+                self.kick(t, tau, ahead)?;
+                self.diffuse(noise);
             } else {
-                self.diffuse(t, tau)?;
-                self.kick(t, tau)?;
+                self.diffuse(noise);
+                self.kick(t, tau, 0.0)?;
             }
             done += 1.0;
             self.time = from + done * tau;
@@ -161,13 +164,13 @@ impl<'a> GridDensity<'a> {
 
     /// Integrates `v' = a(t, q, v)` over a step by Runge-Kutta 4.
     ///
-    /// The integration is backward from the cell edges of an axis that fits the result.
-    fn kick(&mut self, t: f64, tau: f64) -> Result<(), GridError> {
+    /// The integration is backward from the cell edges of an axis that fits the result, and the variance `ahead` that noise adds to it.
+    fn kick(&mut self, t: f64, tau: f64, ahead: f64) -> Result<(), GridError> {
         let n = self.config.cells;
         let omega = self.config.frequency();
         // The elastic force acts only for `sin(omega tau)/omega`, as in the rotation.
         let spared = omega * omega * (1.0 - (omega * tau).sin() / (omega * tau));
-        let to = self.kicked_axis(t, tau, spared)?;
+        let to = self.kicked_axis(t, tau, (spared, ahead))?;
         let Scratch { line, column, departures, .. } = &mut self.scratch;
         for i in 0..n {
             let q = self.q.centre_of(i);
@@ -191,8 +194,13 @@ impl<'a> GridDensity<'a> {
         Ok(())
     }
 
-    /// The velocity axis after a step, from `v + tau a` at the cells.
-    fn kicked_axis(&self, t: f64, tau: f64, spared: f64) -> Result<Axis, GridError> {
+    /// The velocity axis after a step, from `v + tau a` at the cells and the variance that noise adds.
+    fn kicked_axis(
+        &self,
+        t: f64,
+        tau: f64,
+        (spared, ahead): (f64, f64),
+    ) -> Result<Axis, GridError> {
         let n = self.config.cells;
         let Spread { mean, qq, qv, .. } = self.spread();
         // Every fourth cell suffices to position a grid.
@@ -212,15 +220,13 @@ impl<'a> GridDensity<'a> {
             }
         }
         let v = first / weight;
-        let moved = Spread { mean: [mean[0], v], qq, qv, vv: second / weight - v * v };
+        let vv = second / weight - v * v + ahead;
+        let moved = Spread { mean: [mean[0], v], qq, qv, vv };
         Ok(self.config.axes(&moved, t)?.1)
     }
 
-    /// Adds an independent normal variable to the velocities.
-    ///
-    /// The kernel is a Gaussian sampled at the cells, whose variance is accurate to `1e-6` for a standard deviation of
-    /// at least one cell. For smaller deviations it is a random walk between neighbours.
-    fn diffuse(&mut self, t: f64, tau: f64) -> Result<(), GridError> {
+    /// The variance that noise adds to the velocity in a step.
+    fn noise_variance(&self, t: f64, tau: f64) -> Result<f64, GridError> {
         let mut mean_diffusion = 0.0;
         for (part, weight) in [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)] {
             let time = t + part * tau;
@@ -232,13 +238,20 @@ impl<'a> GridDensity<'a> {
         }
         // A kick between the shears changes the energy by 1/cos^2 of its change within the rotation.
         let spared = (0.5 * self.config.frequency() * tau).cos().powi(2);
-        let variance = 2.0 * mean_diffusion * tau * spared / (self.v.width * self.v.width);
+        Ok(2.0 * mean_diffusion * tau * spared)
+    }
+
+    /// Adds an independent normal variable of this variance to the velocities.
+    ///
+    /// The kernel is a Gaussian sampled at the cells, whose variance is accurate to `1e-6` for a standard deviation of
+    /// at least one cell. For smaller deviations it is a random walk between neighbours.
+    fn diffuse(&mut self, variance: f64) {
+        let variance = variance / (self.v.width * self.v.width);
         let n = self.config.cells;
         let Scratch { column, .. } = &mut self.scratch;
         for row in self.masses.chunks_exact_mut(n) {
             spread_gaussian(row, variance, column);
         }
-        Ok(())
     }
 }
 

@@ -222,6 +222,7 @@ fn exceedance(context: &Context<'_>) -> Result<Drawing, CaseError> {
         powers: vec![],
         demand: Demand::displacement(),
         thresholds: thresholds.clone(),
+        kinks: Vec::new(),
         cells: true,
     };
     let run = problem.density(&problem.density_config(1.0)?, &asked)?;

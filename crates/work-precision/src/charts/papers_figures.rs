@@ -106,6 +106,7 @@ pub(super) fn moments_of_canor_denoel() -> Result<Drawing, CaseError> {
         powers: powers.to_vec(),
         demand: Demand::displacement(),
         thresholds: vec![0.5],
+        kinks: Vec::new(),
         cells: false,
     };
     let printed = problem.density(&papers_config(problem.system.period()), &asked)?;
@@ -177,6 +178,7 @@ pub(super) fn density_of_canor_denoel() -> Result<Vec<Drawing>, CaseError> {
         powers: vec![[2, 0, 0]],
         demand: Demand::displacement(),
         thresholds: vec![0.5],
+        kinks: Vec::new(),
         cells: false,
     };
     let mut planes: Vec<Option<PlaneDensity>> = Vec::new();

@@ -134,6 +134,7 @@ fn damper(context: &Context<'_>) -> CaseResult {
         powers: vec![[2, 0, 0, 0], [0, 2, 0, 0]],
         demand: Demand::of_state(0, "q", 4),
         thresholds: vec![0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.75],
+        kinks: Vec::new(),
         cells: true,
     };
     let lattice = InitialLattice::Ball { reach: 6.5, spacing: 0.8 };
@@ -172,6 +173,7 @@ fn bouc_wen(context: &Context<'_>) -> CaseResult {
         powers: vec![[2, 0, 0, 0, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0]],
         demand: Demand::of_state(0, "q", 5),
         thresholds: vec![0.25, 0.5, 1.0],
+        kinks: Vec::new(),
         cells: false,
     };
     let lattice = InitialLattice::Ball { reach: 4.5, spacing: 1.2 };

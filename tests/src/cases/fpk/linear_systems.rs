@@ -55,6 +55,7 @@ fn kanai_tajimi(context: &Context<'_>) -> CaseResult {
         powers: PAIRS.map(powers_of).to_vec(),
         demand: Demand::of_state(0, "q", 4),
         thresholds: scene.thresholds.clone(),
+        kinks: Vec::new(),
         cells: true,
     };
     let run = run_on(system.clone(), &law, &config, &asked, |_, _| ())?;
@@ -160,6 +161,7 @@ where
         powers,
         demand: Demand::of_state(0, "x1", D),
         thresholds: vec![],
+        kinks: Vec::new(),
         cells: false,
     };
     let run = run_on(process, &law, &config, &asked, |_, _| ())?;

@@ -41,6 +41,7 @@ fn errors(context: &Context<'_>, problem: &Problem) -> CaseResult<Vec<(f64, f64)
         powers: POWERS.to_vec(),
         demand: Demand::displacement(),
         thresholds: vec![],
+        kinks: Vec::new(),
         cells: false,
     };
     COUNTS

@@ -98,6 +98,7 @@ impl Stationary<'_> {
             powers: vec![[2, 0], [0, 2], [4, 0]],
             demand: Demand::displacement(),
             thresholds: thresholds.to_vec(),
+            kinks: Vec::new(),
             cells: true,
         };
         let mut laid = (0, 0);

@@ -90,6 +90,7 @@ impl<const D: usize> Question<D> {
             powers: self.moments.iter().map(|(powers, _)| *powers).collect(),
             demand: Demand::of_state(0, "q", D),
             thresholds: self.thresholds.clone(),
+            kinks: Vec::new(),
             cells,
         }
     }

@@ -15,7 +15,7 @@
 //! Derivatives are by independent standard normals `t`, with the parameters $x = x(L t)$ of a
 //! [`RandomVector`](perturbation_moments::RandomVector), so that correlation and lognormal laws are in them.
 //!
-//! [`Study::series_errors`] measures the errors of differences by up to six runs that they have not used.
+//! [`Study::series_errors`] measures the errors of differences by up to eight runs that they have not used.
 //!
 //! A room may know the grid, bodies and records of a run only through [`Simulation`](crate::Simulation); it touches no files and
 //! no clock.

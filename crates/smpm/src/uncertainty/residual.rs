@@ -48,9 +48,10 @@ const SEED: u64 = 0x5eed;
 ///
 /// $$ 2 \bar r + \sqrt{s^2 + \tfrac12 \sum_k h_k^2 + (2 \bar c)^2} - s . $$
 ///
-/// Two more runs lie at three deviations along the first direction, beyond the others. What they depart from the polynomial through all
-/// before, with $r$ as a third and $c$ as a second power, is taken as a kink at $\sqrt3$ deviations. If one of them fails, the errors are
-/// infinite.
+/// Two more runs lie at three deviations along each direction, beyond the others. What they depart from the polynomial through all
+/// before, with $r$ as a third and $c$ as a second power, is taken as a kink at $\sqrt3$ deviations, along the direction where it is
+/// largest: yielding depends on the ratio of modulus and stress, and one direction leaves it as it was. If one of them fails, the errors
+/// are infinite.
 ///
 /// Own curvatures of one-sided differences, which have none, are in $\bar c$ by their sum.
 /// So a response that jumps between neighbouring inputs, as where particles fail in one run and not in the next, has an error as large
@@ -64,12 +65,12 @@ pub struct SeriesError {
 }
 
 impl SeriesError {
-    /// From the responses at both ends of each direction, and farther along the first one.
+    /// From the responses at both ends of each direction, near and far.
     fn new(
         series: &Series,
         directions: &[Vec<f64>],
         (distance, pairs): (f64, &[[f64; 2]]),
-        far: Option<(f64, [f64; 2])>,
+        far: Option<(f64, &[[f64; 2]])>,
     ) -> Self {
         let of = |(ends, u): (&[f64; 2], &Vec<f64>)| residuals(series, u, distance, ends);
         let residuals: Vec<[f64; 2]> = pairs.iter().zip(directions).map(of).collect();
@@ -81,8 +82,13 @@ impl SeriesError {
         let deviation = series.variance().sqrt();
         let unsure = if deviation > 0.0 { odd / deviation } else { 0.0 };
         let mean = even + unsure * (series.mean() - series.value).abs();
-        let along = far.zip(residuals.first().zip(directions.first()));
-        let kink = along.map_or(0.0, |(far, (near, u))| kink(series, u, (distance, near), far));
+        let along = |(far, ends): (f64, &[[f64; 2]])| {
+            let kinks = ends.iter().zip(residuals.iter().zip(directions));
+            kinks
+                .map(|(ends, (near, u))| kink(series, u, (distance, near), (far, ends)))
+                .fold(0.0, f64::max)
+        };
+        let kink = far.map_or(0.0, along);
         let [of_mean, of_deviation] = OF_KINK;
         Self {
             mean: mean + of_mean * kink,
@@ -106,9 +112,9 @@ fn kink(
     series: &Series,
     u: &[f64],
     (distance, [odd, even]): (f64, &[f64; 2]),
-    (far, ends): (f64, [f64; 2]),
+    (far, ends): (f64, &[f64; 2]),
 ) -> f64 {
-    let [odd_far, even_far] = residuals(series, u, far, &ends);
+    let [odd_far, even_far] = residuals(series, u, far, ends);
     let ratio = far / distance;
     let odd = far * (odd_far - odd * ratio * ratio);
     let even = far * far * (even_far - even);
@@ -116,8 +122,8 @@ fn kink(
 }
 
 impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
-    /// Errors of the series of all responses, of differences with this step in standard deviations, from up to six whole runs that they
-    /// have not used.
+    /// Errors of the series of all responses, of differences with this step in standard deviations, from up to eight whole runs that
+    /// they have not used.
     ///
     /// # Errors
     /// [`Error::NoSuchResponse`] for another number of series; those of the experiment and of a run.
@@ -129,9 +135,10 @@ impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
         let directions = self.check_directions();
         let distance = check_distance(self.inputs.n_random(), step);
         let far = self.far_distance(distance);
-        let near = (0..directions.len()).map(|k| (k, distance));
-        let ends: Vec<(usize, f64)> = near
-            .chain(far.map(|far| (0, far)))
+        let ends: Vec<(usize, f64)> = [Some(distance), far]
+            .into_iter()
+            .flatten()
+            .flat_map(|distance| (0..directions.len()).map(move |k| (k, distance)))
             .flat_map(|(k, distance)| [(k, distance), (k, -distance)])
             .collect();
         let run = |&(k, distance): &(usize, f64)| {
@@ -146,12 +153,11 @@ impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
         let ends: Vec<Vec<f64>> = near.into_iter().collect::<Result<_, _>>()?;
         let of = |(response, series): (usize, &Series)| {
             let pair = |ends: &[Vec<f64>]| [ends[0][response], ends[1][response]];
-            let pairs: Vec<[f64; 2]> = ends.chunks_exact(2).map(pair).collect();
-            let far = far.map(|far| {
-                let failed = [f64::INFINITY; 2];
-                (far, far_ends.as_ref().map_or(failed, |ends| pair(ends)))
-            });
-            SeriesError::new(series, &directions, (distance, &pairs), far)
+            let pairs = |ends: &[Vec<f64>]| ends.chunks_exact(2).map(pair).collect::<Vec<_>>();
+            let failed = || vec![[f64::INFINITY; 2]; directions.len()];
+            let far_pairs = far_ends.as_deref().map_or_else(failed, pairs);
+            let far = far.map(|far| (far, far_pairs.as_slice()));
+            SeriesError::new(series, &directions, (distance, &pairs(&ends)), far)
         };
         Ok(series.iter().enumerate().map(of).collect())
     }
@@ -166,7 +172,7 @@ impl<X: Experiment<D>, const D: usize> Study<'_, X, D> {
     #[must_use]
     pub fn n_check_runs(&self, step: f64) -> u64 {
         let far = self.far_distance(check_distance(self.inputs.n_random(), step));
-        2 * (self.check_directions().len() as u64 + u64::from(far.is_some()))
+        2 * self.check_directions().len() as u64 * (1 + u64::from(far.is_some()))
     }
 
     /// Different directions of signs.
@@ -227,7 +233,8 @@ mod tests {
             let gradient = vec![0.5 * (plus - minus) / step];
             let curvature = vec![(plus + minus - 2.0) / (step * step)];
             let series = Series { value: 1.0, gradient, curvature, mixed_squares: None };
-            let far = Some((FAR, pair(FAR)));
+            let far = [pair(FAR)];
+            let far = Some((FAR, &far[..]));
             let near = (distance, &[pair(distance)][..]);
             let found = SeriesError::new(&series, &[vec![1.0]], near, far);
             assert!((series.mean() - mean).abs() <= found.mean, "{step}: {found:?}");
@@ -247,8 +254,9 @@ mod tests {
                 curvature: Vec::new(),
                 mixed_squares: None,
             };
-            let (near, far) = ((3.0_f64.sqrt(), [pair(3.0_f64.sqrt())]), Some((FAR, pair(FAR))));
-            let found = SeriesError::new(&series, &[vec![1.0]], (near.0, &near.1), far);
+            let (near, far) = ([pair(SIGMA_POINT_DISTANCE)], [pair(FAR)]);
+            let near = (SIGMA_POINT_DISTANCE, &near[..]);
+            let found = SeriesError::new(&series, &[vec![1.0]], near, Some((FAR, &far[..])));
             // Moments by the trapezoidal rule.
             let h = 1e-3;
             let sum = |f: &dyn Fn(f64) -> f64| -> f64 {
@@ -263,6 +271,31 @@ mod tests {
                 "{kink}: {found:?}"
             );
             assert!((deviation - 1.0).abs() <= found.standard_deviation, "{kink}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_kink_of_a_ratio_is_in_the_error_whichever_input_is_above() {
+        for side in [1.0, -1.0] {
+            // Nothing yields along (1, 1), nor at one deviation along (1, -1).
+            let y = |t: &[f64]| t[1] + 0.5 * (side * (t[1] - t[0]) / 2.0_f64.sqrt() - 1.6).max(0.0);
+            let series = Series {
+                value: 0.0,
+                gradient: vec![0.0, 1.0],
+                curvature: Vec::new(),
+                mixed_squares: None,
+            };
+            let directions = signs(2, N_CHECKS);
+            let pair = |u: &Vec<f64>, d: f64| {
+                [d, -d].map(|d| y(&u.iter().map(|u| d * u).collect::<Vec<_>>()))
+            };
+            let pairs = |d: f64| directions.iter().map(|u| pair(u, d)).collect::<Vec<_>>();
+            let (near, far) = (pairs(1.0), pairs(FAR / 2.0_f64.sqrt()));
+            let far = Some((FAR / 2.0_f64.sqrt(), &far[..]));
+            let found = SeriesError::new(&series, &directions, (1.0, &near), far);
+            // (phi(a) - a Q(a))/2 at a = 1.6.
+            let off = 0.5 * (0.110_92 - 1.6 * 0.054_80);
+            assert!(off <= found.mean && off > 0.1 * found.mean, "{side}: {off} {found:?}");
         }
     }
 

@@ -250,7 +250,7 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
     }
 
     /// Taylor series by central differences of `2N` whole runs, `step` to either side of the reference run; an input without
-    /// deviation costs none. [`series_errors`](Self::series_errors) measures the errors of its moments by up to six more.
+    /// deviation costs none. [`series_errors`](Self::series_errors) measures the errors of its moments by up to eight more.
     ///
     /// # Errors
     /// [`Error::ShortStep`], [`Error::Parameter`] for the step; those of the experiment and of a run.

@@ -100,7 +100,7 @@ fn one_sided_differences_give_the_variance_of_central_ones_by_half_the_runs() {
         assert!((narrow.mean() - wide.mean()).abs() < error.mean, "{error:?}");
         assert!(error.standard_deviation < 0.2 * a, "{a} {error:?}");
     }
-    assert_eq!(study.n_check_runs(step), 6);
+    assert_eq!(study.n_check_runs(step), 8);
     assert!(matches!(study.forward_difference(1e-13), Err(Error::ShortStep { .. })));
 }
 

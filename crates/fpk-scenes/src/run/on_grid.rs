@@ -22,15 +22,18 @@ struct Row {
 }
 
 impl Row {
-    /// The scale of a moment by the second moments: of `q v` the product of both deviations, of `q^4` three squares.
+    /// The scale of a moment: that of independent normals, of absolute values.
     fn scale(&self, powers: [u32; 2]) -> f64 {
-        let of = |power: u32| if power == 4 { 3.0 } else { 1.0 };
-        let exponents = powers.map(|power| 0.5 * f64::from(power));
-        of(powers[0].max(powers[1]))
-            * self.squares[0].powf(exponents[0])
-            * self.squares[1].powf(exponents[1])
+        let of = |(power, square): (u32, f64)| {
+            let factor = ABSOLUTE_MOMENTS.get(power as usize).copied().unwrap_or(f64::INFINITY);
+            factor * square.powf(0.5 * f64::from(power))
+        };
+        powers.into_iter().zip(self.squares).map(of).product()
     }
 }
+
+/// `E abs(z)^p` of a standard normal for the powers that a grid takes, `p = 0..=4`: `sqrt(2/pi)` and twice that for the odd ones.
+const ABSOLUTE_MOMENTS: [f64; 5] = [1.0, 0.797_884_560_802_865, 1.0, 1.595_769_121_605_73, 3.0];
 
 /// Runs the grid of the scene, and those that are coarser in steps and in cells.
 pub(super) fn solve(

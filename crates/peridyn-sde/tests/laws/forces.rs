@@ -52,6 +52,23 @@ fn forces_are_minus_the_slope_of_the_energy_and_sum_to_nothing() {
 }
 
 #[test]
+fn the_stiffness_of_a_bond_has_the_volumes_of_both_ends() {
+    let (places, volumes) = (vec![[0.0], [1.0], [2.0]], [0.5, 2.0, 3.0]);
+    let of = |volumes: &[f64]| {
+        let bar = Condition::Bar { area: 1.0 };
+        let nodes = Nodes::new(places.clone(), volumes.to_vec(), 1.0, bar).unwrap();
+        Bonds::new(&nodes, &config(2)).unwrap()
+    };
+    let (equal, unequal) = (of(&[1.0; 3]), of(&volumes));
+    let bonds = equal.all().iter().zip(unequal.all());
+    for ((one, other), (i, j)) in bonds.zip(unequal.pairs()) {
+        let ratio = other.stiffness / one.stiffness / (volumes[i] * volumes[j]);
+        assert!((ratio - 1.0).abs() < 1e-14, "{i} {j}: {ratio}");
+    }
+    assert_eq!(unequal.len(), 3);
+}
+
+#[test]
 fn bonds_break_in_tension_alone_and_for_good() {
     let nodes =
         Nodes::new(vec![[0.0], [1.0]], vec![1.0; 2], 1.0, Condition::Bar { area: 1.0 }).unwrap();

@@ -6,6 +6,7 @@ use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
 use super::checks::must;
+use super::method_scene::MethodScene;
 use super::system_scene::{SystemError, list, square};
 use crate::paths::Paths;
 use crate::system::{System, Visitor};
@@ -19,14 +20,14 @@ pub enum LawScene {
     Gaussian {
         /// Mean of each state (unit of each state).
         mean: Vec<f64>,
-        /// Standard deviation of each state (unit of each state).
+        /// Standard deviation of each state; 0 starts at the mean, for `monte_carlo` and `subset_simulation` (unit of each state).
         standard_deviation: Vec<f64>,
     },
     /// A structure with independent Gaussian states, behind a filter in its stationary distribution.
     StationaryFilter {
         /// Mean of each state of the structure (unit of each state).
         mean: Vec<f64>,
-        /// Standard deviation of each state of the structure (unit of each state).
+        /// Standard deviation of each state of the structure; 0 as for `gaussian` (unit of each state).
         standard_deviation: Vec<f64>,
     },
     /// A mixture of Gaussians.
@@ -67,10 +68,10 @@ impl LawScene {
         filter: Option<&[Vec<f64>]>,
     ) -> Result<GaussianMixture<D>, SystemError> {
         let law = match self {
-            Self::Gaussian { mean, standard_deviation } => GaussianMixture::independent(
-                list("mean", mean)?,
-                list("standard_deviation", standard_deviation)?,
-            ),
+            Self::Gaussian { mean, standard_deviation } => {
+                let deviations = list("standard_deviation", standard_deviation)?.map(not_zero);
+                GaussianMixture::independent(list("mean", mean)?, deviations)
+            }
             Self::StationaryFilter { mean, standard_deviation } => {
                 let filter = filter.unwrap_or_default();
                 let structure = D.saturating_sub(filter.len());
@@ -83,8 +84,8 @@ impl LawScene {
                 }
                 let (mut means, mut covariance) = ([0.0; D], [[0.0; D]; D]);
                 means[..structure].copy_from_slice(mean);
-                for (k, deviation) in standard_deviation.iter().enumerate() {
-                    covariance[k][k] = deviation * deviation;
+                for (k, &deviation) in standard_deviation.iter().enumerate() {
+                    covariance[k][k] = not_zero(deviation).powi(2);
                 }
                 for (row, values) in covariance[structure..].iter_mut().zip(filter) {
                     row[structure..].copy_from_slice(values);
@@ -108,7 +109,8 @@ impl LawScene {
         Ok(law.map_err(vibrating_systems::Error::from)?)
     }
 
-    pub(crate) fn check(&self, system: &System) -> Result<(), Objection> {
+    /// Refuses lists of another length, negative deviations, and a deviation of zero for a method that does not start at a point.
+    pub(crate) fn check(&self, system: &System, method: &MethodScene) -> Result<(), Objection> {
         let name = match self {
             Self::Gaussian { .. } => "gaussian",
             Self::StationaryFilter { .. } => "stationary_filter",
@@ -125,7 +127,12 @@ impl LawScene {
         {
             for (k, &deviation) in standard_deviation.iter().enumerate() {
                 let path = format!("initial.{name}.standard_deviation[{k}]");
-                must(&path, deviation, deviation > 0.0, "greater than 0")?;
+                if method.starts_at_points() {
+                    must(&path, deviation, deviation >= 0.0, "at least 0")?;
+                } else {
+                    must(&path, deviation, deviation > 0.0, "greater than 0")
+                        .map_err(|objection| objection.with_help(NO_DENSITY))?;
+                }
             }
         }
         system.visit(Build(self, filter.as_deref())).map_err(|error| {
@@ -142,6 +149,16 @@ impl LawScene {
             }
         })
     }
+}
+
+/// What to write for a start from rest.
+const NO_DENSITY: &str = "a density and its covariance need a deviation: monte_carlo and subset_simulation start at a point too";
+
+/// The deviation of a state that starts at a point: its square is a number, and no state of another size is changed by it.
+const POINT: f64 = 1e-150;
+
+fn not_zero(deviation: f64) -> f64 {
+    if deviation.abs() > 0.0 || deviation.is_nan() { deviation } else { POINT }
 }
 
 /// Builds a distribution in the dimension of the system.

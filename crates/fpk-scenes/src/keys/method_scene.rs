@@ -156,6 +156,11 @@ impl MethodScene {
         matches!(self, Self::FlowMapFit(lattice) if lattice.filter == Some(FilterScene::Conditioned))
     }
 
+    /// Whether it samples paths, which may start at a point; a density and its covariance may not.
+    pub(crate) const fn starts_at_points(&self) -> bool {
+        matches!(self, Self::MonteCarlo { .. } | Self::SubsetSimulation { .. })
+    }
+
     /// Whether the density is carried by a flow map.
     pub(crate) const fn follows_flow_map(&self) -> bool {
         matches!(self, Self::FlowMapFit(_))

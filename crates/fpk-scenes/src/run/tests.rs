@@ -59,6 +59,11 @@ fn every_built_in_scene_is_read_and_comes_back_from_its_result() {
     }
 }
 
+/// What a method that needs a deviation says of a start from rest.
+const AT_REST: Option<&str> = Some(
+    "a density and its covariance need a deviation: monte_carlo and subset_simulation start at a point too",
+);
+
 const ORDER: &str = "it must be greater than the one before it";
 
 #[test]
@@ -91,6 +96,7 @@ fn mistakes_in_an_oscillator_are_refused_at_their_lines() {
                 None,
             ),
             ("[0.1, 0.25,", "[0.3, 0.25,", 22, ORDER, None),
+            ("[0.15, 0.10]", "[0, 0.10]", 18, "0 was given; it must be greater than 0", AT_REST),
             ("\"gaussian\"", "\"stationary_filter\"", 18, "the system has no filter", None),
             (
                 "\"reach\": 7",
@@ -230,6 +236,19 @@ fn a_grid_and_a_probability_take_what_they_know() {
             (NORMAL, MIXTURE, 18, "the method needs one normal distribution at the start", None),
         ],
     );
+}
+
+#[test]
+fn a_structure_at_rest_is_a_start_of_sampled_paths() {
+    let at_rest = SCENE.replacen("[0.15, 0.10]", "[0, 0]", 1);
+    let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.01, \"seed\": 1 }";
+    for method in [paths, &SUBSET.replace("\"correlation\": 1", "\"correlation\": 0.8")] {
+        let scene = parse(at_rest.replacen(FIT, method, 1));
+        let (system, law) = (scene.system.build().unwrap(), scene.initial.build::<2>(None));
+        let law = law.unwrap();
+        assert!(law.covariance()[0][0] > 0.0 && law.covariance()[0][0] < 1e-200);
+        assert!(scene.initial.check(&system, &scene.method).is_ok());
+    }
 }
 
 #[test]

@@ -26,6 +26,9 @@ pub(super) const FAMILY: Family = Family {
 const STEPS_OF_TRUTH: f64 = 400.0;
 const ERROR_OF_TRUTH: f64 = 1e-8;
 
+/// Methods that start at a point too.
+const FROM_REST: [&str; 2] = ["monte_carlo", "subset_simulation"];
+
 fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let keys = system(draw, hostile);
     let system = valid(built::<SystemScene>(&keys).build());
@@ -34,7 +37,7 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let period = if period.is_finite() { period } else { draw.scaled(0.3, 3.0) };
     let (times, every) = times(draw, period, hostile);
     let until = times.last().copied().unwrap_or(every);
-    let initial = initial(draw, &system, period);
+    let mut initial = initial(draw, &system, period);
     let of = Solvable {
         n_states: n,
         period,
@@ -44,6 +47,13 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
         has_thresholds: true,
     };
     let (name, method) = method(draw, &of, hostile);
+    if FROM_REST.contains(&name) && draw.chance(0.15) {
+        for law in initial.as_object_mut().into_iter().flat_map(|laws| laws.values_mut()) {
+            for deviation in law["standard_deviation"].as_array_mut().into_iter().flatten() {
+                *deviation = json!(0);
+            }
+        }
+    }
     let is_conditioned = method["flow_map_fit"]["filter"] == json!("conditioned");
     let mut moments = vec![vec![0; n]; 3];
     (moments[0][0], moments[1][0], moments[2][0]) = (2, 4, 1);

@@ -239,10 +239,35 @@ fn a_grid_and_a_probability_take_what_they_know() {
 }
 
 #[test]
+fn steps_end_at_the_kinks_of_a_window_unless_a_table_is_finer_than_they_are() {
+    let window = "{\n          \"rise_plateau_decay\": { \"rise_exponent\": 1, \"rise_end\": 2, \"decay_rate\": 2, \"decay_start\": 6 }\n        }";
+    assert!(SCENE.contains(window));
+    let of = |scene: &FpkScene| {
+        let config = scene.method.density_config::<2>(2.0, 1.0);
+        let (interval, kinks) = step_runs::Interval::of_scene(scene, config.as_ref(), 2.0);
+        (interval.has_kinks, kinks)
+    };
+    assert_eq!(of(&parse(SCENE.to_owned())), (false, vec![2.0, 6.0]));
+    let table = |rows: u32| {
+        let rows = (0..rows).map(|k| format!("[{}, {}]", 0.01 * f64::from(k + 1), k % 2));
+        let table = format!("{{ \"tabulated\": [{}] }}", rows.collect::<Vec<_>>().join(", "));
+        parse(SCENE.replacen(window, &table, 1))
+    };
+    // 10 s of 2 s a period and 40 steps in each.
+    let (has_kinks, kinks) = of(&table(200));
+    assert!(!has_kinks && kinks.len() == 200 && kinks.is_sorted());
+    assert_eq!(of(&table(201)), (true, vec![]));
+    let paper = "\"canor_denoel_2013\": { \"count\": [50, 33], \"half_width\": [0.6, 0.4], \"courant\": 0.8, \
+                 \"support_over_spacing\": 2.5 }";
+    assert_eq!(of(&parse(SCENE.replacen(FIT, paper, 1))), (true, vec![]));
+}
+
+#[test]
 fn a_structure_at_rest_is_a_start_of_sampled_paths() {
     let at_rest = SCENE.replacen("[0.15, 0.10]", "[0, 0]", 1);
     let paths = "\"monte_carlo\": { \"paths\": 100, \"step\": 0.01, \"seed\": 1 }";
-    for method in [paths, &SUBSET.replace("\"correlation\": 1", "\"correlation\": 0.8")] {
+    let subset = SUBSET.replace("\"correlation\": 1", "\"correlation\": 0.8");
+    for method in [paths, &subset.replace("\"runs\": 2", "\"runs\": 4")] {
         let scene = parse(at_rest.replacen(FIT, method, 1));
         let (system, law) = (scene.system.build().unwrap(), scene.initial.build::<2>(None));
         let law = law.unwrap();

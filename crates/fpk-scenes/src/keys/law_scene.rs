@@ -6,7 +6,6 @@ use sde_integrators::{GaussianComponent, GaussianMixture};
 use serde::{Deserialize, Serialize};
 
 use super::checks::must;
-use super::method_scene::MethodScene;
 use super::system_scene::{SystemError, list, square};
 use crate::paths::Paths;
 use crate::system::{System, Visitor};
@@ -109,8 +108,8 @@ impl LawScene {
         Ok(law.map_err(vibrating_systems::Error::from)?)
     }
 
-    /// Refuses lists of another length, negative deviations, and a deviation of zero for a method that does not start at a point.
-    pub(crate) fn check(&self, system: &System, method: &MethodScene) -> Result<(), Objection> {
+    /// Refuses lists of another length, negative deviations, and a deviation of zero unless the method starts at points.
+    pub(crate) fn check(&self, system: &System, starts_at_points: bool) -> Result<(), Objection> {
         let name = match self {
             Self::Gaussian { .. } => "gaussian",
             Self::StationaryFilter { .. } => "stationary_filter",
@@ -127,7 +126,7 @@ impl LawScene {
         {
             for (k, &deviation) in standard_deviation.iter().enumerate() {
                 let path = format!("initial.{name}.standard_deviation[{k}]");
-                if method.starts_at_points() {
+                if starts_at_points {
                     must(&path, deviation, deviation >= 0.0, "at least 0")?;
                 } else {
                     must(&path, deviation, deviation > 0.0, "greater than 0")

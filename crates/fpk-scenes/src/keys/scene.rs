@@ -262,7 +262,7 @@ impl Scene for FpkScene {
     fn check(&self) -> Result<System, Objection> {
         let system = self.system.build().map_err(|error| self.system.objection(&error))?;
         let states = system.states();
-        self.initial.check(&system, &self.method)?;
+        self.initial.check(&system, self.method.starts_at_points())?;
         self.times.check()?;
         self.method.check(&system, &self.initial, &self.times.list())?;
         self.demand(states)?;

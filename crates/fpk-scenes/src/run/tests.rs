@@ -272,7 +272,7 @@ fn a_structure_at_rest_is_a_start_of_sampled_paths() {
         let (system, law) = (scene.system.build().unwrap(), scene.initial.build::<2>(None));
         let law = law.unwrap();
         assert!(law.covariance()[0][0] > 0.0 && law.covariance()[0][0] < 1e-200);
-        assert!(scene.initial.check(&system, &scene.method).is_ok());
+        assert!(scene.initial.check(&system, scene.method.starts_at_points()).is_ok());
     }
 }
 

@@ -78,7 +78,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
         sources: sources(&scene.method),
         absent: scene.planes.is_none().then_some(motion::ABSENT),
     };
-    outcome.completed(run, &shown, |quantities| drawings(&scene, &system, quantities))
+    Ok(outcome.completed(run, &shown, |quantities| drawings(&scene, &system, quantities)))
 }
 
 /// What to cite for a method.

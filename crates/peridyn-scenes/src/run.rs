@@ -224,9 +224,7 @@ fn found(
     for unknown in &record.unknown {
         run.progress.stage(&format!("unknown: {}: {}", unknown.what, unknown.reason));
     }
-    Completed::here(run, answers::answers(&record, cpu_seconds), || {
-        let drawings =
-            pictures::drawings(scene, problem, crack_run, &ensemble, &record, &bootstrap)?;
+    Ok(Completed::here(run, answers::answers(&record, cpu_seconds), || {
         let content = Content {
             files: &problem.files,
             resolved: &problem.resolved,
@@ -234,10 +232,12 @@ fn found(
             work: WorkRecord::new(scene, &problem.resolved, cpu_seconds),
             record: &record,
         };
-        let report = findings::report(scene, &content);
+        let mut report = findings::report(scene, &content);
+        let drawn = pictures::drawings(scene, problem, crack_run, &ensemble, &record, &bootstrap);
+        let drawings = report.drawn("charts", drawn);
+        let motions = report.drawn("cracks over time", motion::motions(scene, problem, crack_run));
         let files = fields::write(scene, problem, crack_run, run.folder())?;
-        let motions = motion::motions(scene, problem, crack_run)?;
         let result = ResultFile::new("crack-ensemble/1", scene, &content)?;
         Ok(Output { result, files, drawings, motions, report })
-    })
+    }))
 }

@@ -38,6 +38,21 @@ pub fn to_json<T: Serialize + ?Sized>(value: &T) -> Result<String, JsonError> {
     Ok(text)
 }
 
+/// Writes indented JSON with a final newline, with `null` in the place of NaN and infinity; the first of them is returned too.
+///
+/// # Errors
+/// [`JsonError::Shape`] if it has no JSON form.
+pub fn to_json_with_null<T: Serialize + ?Sized>(
+    value: &T,
+) -> Result<(String, Option<JsonError>), JsonError> {
+    let not_finite = match check(value) {
+        Err(error @ JsonError::Shape { .. }) => return Err(error),
+        checked => checked.err(),
+    };
+    let text = serde_json::to_string_pretty(value)? + "\n";
+    Ok((text, not_finite))
+}
+
 /// Checks that every number in `value` is finite.
 ///
 /// # Errors
@@ -290,6 +305,18 @@ mod tests {
                 && text.contains("\"label\": \"sample\"")
                 && text.ends_with("}\n")
         );
+    }
+
+    #[test]
+    fn nan_and_infinity_become_null_where_it_is_asked() {
+        let mut value = sample();
+        assert!(to_json_with_null(&value).unwrap().1.is_none());
+        value.series[1].1 = Some(f64::INFINITY);
+        let (text, not_finite) = to_json_with_null(&value).unwrap();
+        let path = "`series[1][1]` is inf, not a finite number";
+        assert_eq!(not_finite.unwrap().to_string(), path);
+        value.series[1].1 = None;
+        assert_eq!(text, to_json(&value).unwrap());
     }
 
     #[test]

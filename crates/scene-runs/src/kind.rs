@@ -88,7 +88,9 @@ impl SceneKind {
         let run = Run { progress, solver, options, results, checkpoint, lock, ranks };
         let schema = Value::from((self.schema)());
         let finished = (self.run)(file, &run)?.write(file, &run, &schema)?;
-        run.checkpoint.get().map_or(Ok(()), Checkpoint::end)?;
+        // Where a file could not be written, the checkpoint stays, and `--resume` continues.
+        let checkpoint = run.checkpoint.get().filter(|_| finished.unwritten.is_none());
+        checkpoint.map_or(Ok(()), Checkpoint::end)?;
         Ok(finished)
     }
 
@@ -180,6 +182,9 @@ pub fn kind_of<'a>(table: &'a [SceneKind], file: &SceneFile) -> Result<&'a Scene
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
+    use result_pages::Note;
     use schemars::{JsonSchema, schema_for};
     use serde::Deserialize;
 
@@ -223,15 +228,22 @@ mod tests {
                 return Err(RunError::solver(std::io::Error::other("too stiff")));
             }
             let number = Number::sampled((-scene.rate).exp(), None);
+            // A rate of 7 has a result without a number for one of its keys, one of 8 none that can be made.
+            let recorded =
+                if scene.rate.to_bits() == 7f64.to_bits() { f64::INFINITY } else { number.value };
             let last = AnswerValue::of(number);
             let answer = Answer::new("final".into(), "final".into(), Statistic::Mean, last);
             let answer = Answer { role: Role::Headline, ..answer };
             let answers = Answers { cpu_seconds: 0.0, list: vec![answer] };
-            Completed::here(run, answers, || {
-                let result = ResultFile::new("decay/1", &file.keys(), &number)?;
+            Ok(Completed::here(run, answers, || {
+                if scene.rate.to_bits() == 8f64.to_bits() {
+                    return Err(RunError::solver(std::io::Error::other("no result")));
+                }
+                let content = BTreeMap::from([("value", recorded)]);
+                let result = ResultFile::new("decay/1", &file.keys(), &content)?;
                 let (files, drawings, motions) = (Vec::new(), Vec::new(), Vec::new());
                 Ok(Output { result, files, drawings, motions, report: Report::default() })
-            })
+            }))
         },
         ladder: |_| Err(RunError::NoKinds),
         ingredients: |_| Vec::new(),
@@ -256,7 +268,7 @@ mod tests {
     #[test]
     fn a_scene_is_run_by_its_kind() {
         let text = "{\"solver\": \"decay\", \"rate\": 1}";
-        let Finished { files, found } = run_text(text).unwrap();
+        let Finished { files, found, .. } = run_text(text).unwrap();
         let names: Vec<_> = files.iter().filter_map(|path| path.file_name()).collect();
         assert_eq!(names, ["result.json", "index.html"]);
         let Found { answers, notes } = found.unwrap();
@@ -265,6 +277,20 @@ mod tests {
         let file = SceneFile::from_text("decay", text.to_owned()).unwrap();
         assert_eq!(TABLE[0].solve(&file, None, &Progress::silent()).unwrap(), answers);
         assert!((answers.list[0].last.number.value - (-1f64).exp()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_answer_outlives_a_number_that_is_not_finite_and_a_result_that_fails() {
+        let Finished { files, found, unwritten } =
+            run_text("{\"solver\": \"decay\", \"rate\": 7}").unwrap();
+        assert!(files.len() == 2 && unwritten.is_none());
+        let warned =
+            |note: &Note| matches!(note, Note::Warning(text) if text.contains("`value` is inf"));
+        assert!(found.unwrap().notes.iter().any(warned));
+        let Finished { files, found, unwritten } =
+            run_text("{\"solver\": \"decay\", \"rate\": 8}").unwrap();
+        assert!(files.is_empty() && matches!(unwritten, Some(RunError::Solver(_))));
+        assert!((found.unwrap().answers.list[0].last.number.value - (-8f64).exp()).abs() < 1e-15);
     }
 
     #[test]

@@ -321,9 +321,10 @@ fn run_within(
     let progress = Progress::on_stderr();
     let ran = advise::run_within(ALL, scene, options, wanted, &progress);
     progress.finish();
-    let within = ran?;
+    let mut within = ran?;
     summary::print(&within.files, Some(&within.found), ending, output)?;
     advise::print_within(&within, wanted, output)?;
+    within.unwritten.take().map_or(Ok(()), Err)?;
     Ok(if within.is_reached(wanted.tolerance) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -336,7 +337,7 @@ fn run_scene(
     let progress = Progress::on_stderr();
     let finished = kind::run(ALL, scene, options, &progress);
     progress.finish();
-    summary::print_finished(&finished?, ending, output)
+    summary::print_finished(finished?, ending, output)
 }
 
 fn execute_schema(arguments: &Schema, output: &mut dyn Write) -> miette::Result<ExitCode> {

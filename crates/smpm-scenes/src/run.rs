@@ -109,12 +109,12 @@ fn run_in<const D: usize>(
         gauges,
     };
     let answers = answers::answers(scene, &content);
-    Completed::here(run, answers, || {
-        let drawings = drawings(scene, &plan, &content.gauges)?;
-        let report = findings::report(scene, &content);
+    Ok(Completed::here(run, answers, || {
+        let mut report = findings::report(scene, &content);
+        let drawings = report.drawn("charts", drawings(scene, &plan, &content.gauges));
         let result = ResultFile::new("response-moments/1", scene, &content)?;
         Ok(Output { result, files, drawings, motions: motion.into_iter().collect(), report })
-    })
+    }))
 }
 
 const OTHER_TIMES: &str = "a run resumes only from a checkpoint with the same earlier times; --overwrite starts from the beginning";
@@ -162,8 +162,9 @@ fn ranking<const D: usize>(plan: &Plan<D>, answer: &Answer) -> Vec<String> {
         let mut shares: Vec<&Shares> = response.sobol_indices.iter().collect();
         shares.sort_by(|a, b| b.total.total_cmp(&a.total));
         let word = |share: &&Shares| {
-            let [index, error] = [share.total, share.total_standard_error].map(|part| 100.0 * part);
-            format!("{} {index:.1} % (± {error:.1} %)", share.parameter)
+            let error = share.total_standard_error.map(|error| format!("± {:.1} %", 100.0 * error));
+            let error = error.unwrap_or_else(|| "error unknown".to_owned());
+            format!("{} {:.1} % ({error})", share.parameter, 100.0 * share.total)
         };
         let words: Vec<String> = shares.iter().map(word).collect();
         let (name, quantity) = (&plan.gauges[gauge].name, plan.quantities[quantity]);

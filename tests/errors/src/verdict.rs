@@ -1,9 +1,10 @@
 //! Numbers of a run beside their truths.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use scenes::answers::{Answers, Number};
-use scenes::{Progress, RunError, SceneFile, kind_of};
+use scenes::{Finished, Options, Progress, RunError, SceneFile, kind_of};
 use serde_json::Value;
 
 use crate::Truth;
@@ -48,18 +49,28 @@ impl Verdict {
     }
 }
 
-/// Runs a scene as the command does, and finds the numbers whose truth is known.
+/// Runs a scene as the command does, in a folder of its own, and finds the numbers whose truth is known.
 ///
 /// # Errors
-/// Those of the run.
+/// Those of the run, which writes all that it has found: a number that a file has no word for is one.
 pub(crate) fn of_scene(
     scene: &Value,
     truths: &[Truth],
     longest: Duration,
 ) -> Result<Vec<Verdict>, RunError> {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
     let file = SceneFile::from_text("scene.json", scene.to_string())?;
-    let answers = kind_of(scenes::ALL, &file)?.solve(&file, Some(longest), &Progress::silent())?;
-    Ok(compared(truths, &answers))
+    let next = NEXT.fetch_add(1, Ordering::Relaxed);
+    let name = format!("stated-errors-{}-{next}", std::process::id());
+    let out = std::env::temp_dir().join(name);
+    let options = Options { longest: Some(longest), ..Options::new(&out) };
+    let finished = kind_of(scenes::ALL, &file)?.run_file(&file, &options, &Progress::silent());
+    // A folder that stays is no fault of the scene.
+    let _ = std::fs::remove_dir_all(&out);
+    let Finished { found, unwritten, null, .. } = finished?;
+    unwritten.map_or(Ok(()), Err)?;
+    null.map_or(Ok(()), |text| Err(RunError::solver(std::io::Error::other(text))))?;
+    Ok(compared(truths, &found.ok_or(RunError::NoShards)?.answers))
 }
 
 fn compared(truths: &[Truth], answers: &Answers) -> Vec<Verdict> {

@@ -66,7 +66,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     };
     let shown = Presentation { scene, method: &scene.method, sources, absent: Some(NO_FIELD) };
     let outcome = Outcome::from(found.content(&demand, seed));
-    outcome.completed(run, &shown, |quantities| drawings(&scene.title, quantities))
+    Ok(outcome.completed(run, &shown, |quantities| drawings(&scene.title, quantities)))
 }
 
 /// All first passages by the method of the scene.

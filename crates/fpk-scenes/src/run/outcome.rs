@@ -47,35 +47,24 @@ impl Outcome {
         run: &Run<'_>,
         shown: &Presentation<'_, S, M>,
         charts: impl FnOnce(&[Series]) -> Result<Vec<Drawing>, RunError>,
-    ) -> Result<Completed, RunError> {
+    ) -> Completed {
         let Self { content, stopped, planes, files } = self;
         for Unknown { what, reason } in &content.unknown {
             run.progress.stage(&format!("unknown: {what}: {reason}"));
         }
         let answers = answers::answers(&content.quantities, &content.work);
         let solved = Completed::here(run, answers, || {
-            // A picture that cannot be drawn is no reason to lose an answer.
-            let (mut drawings, mut absent) = (Vec::new(), Vec::new());
-            let planes_drawn = planes.iter().map(PlaneAt::drawing);
-            let drawn = charts(&content.quantities).map(|charts| charts.into_iter().map(Ok));
-            match drawn {
-                Ok(charts) => {
-                    for drawing in charts.chain(planes_drawn) {
-                        match drawing {
-                            Ok(drawing) => drawings.push(drawing),
-                            Err(error) => absent.push(format!("A picture is missing: {error}.")),
-                        }
-                    }
-                }
-                Err(error) => absent.push(format!("The charts are missing: {error}.")),
-            }
             let motions = motion::motions(&planes);
             let mut report = findings::report(&content, shown.method, shown.sources);
             report.absent.extend(shown.absent.map(str::to_owned));
-            report.absent.extend(absent);
+            let mut drawings = report.drawn("charts", charts(&content.quantities));
+            for plane in &planes {
+                let drawn = plane.drawing().map(|drawing| vec![drawing]);
+                drawings.extend(report.drawn("pictures of densities", drawn));
+            }
             let result = ResultFile::new("run-result/1", shown.scene, &content)?;
             Ok(Output { result, files, drawings, motions, report })
-        })?;
-        Ok(solved.stopped(stopped))
+        });
+        solved.stopped(stopped)
     }
 }

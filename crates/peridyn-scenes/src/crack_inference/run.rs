@@ -16,6 +16,7 @@ use crack_inference::{
     Emulator, EmulatorMixture, Error, Observations, ParameterSpace, Posterior, SamplerConfig,
     Summaries,
 };
+use result_figures::Drawing;
 use scene_runs::answers::Number;
 use scene_runs::clock::CpuClock;
 use scene_runs::kind::{Completed, EnsemblePart, Inputs, Output, Run, RunError, SceneKind};
@@ -118,7 +119,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     };
     let study = Study { scene: &scene, space: &space, measured: &measured, of_plates: &of_plates };
     let content = study.run(&plate, &ensembles, (&of_design, run))?;
-    Completed::here(run, answers::answers(&content), || study.output(&content))
+    Ok(Completed::here(run, answers::answers(&content), || study.output(&content)))
 }
 
 /// Ensembles at the points of the design; none on ranks without the results.
@@ -304,6 +305,13 @@ impl Study<'_> {
     }
 
     fn output(&self, content: &Content) -> Result<Output, RunError> {
+        let result = ResultFile::new("crack-inference/1", self.scene, content)?;
+        let mut report = findings::report(self.scene, content);
+        let drawings = report.drawn("charts", self.drawings(content));
+        Ok(Output { result, files: Vec::new(), drawings, motions: Vec::new(), report })
+    }
+
+    fn drawings(&self, content: &Content) -> Result<Vec<Drawing>, RunError> {
         let title = &self.scene.title;
         let each = (content.predictive.draws.len(), self.scene.predictive.realisations);
         let path = &content.predictive.path;
@@ -312,9 +320,7 @@ impl Study<'_> {
         for numbered in (1..).zip(&content.parameters) {
             drawings.push(pictures::marginal(title, numbered)?);
         }
-        let result = ResultFile::new("crack-inference/1", self.scene, content)?;
-        let report = findings::report(self.scene, content);
-        Ok(Output { result, files: Vec::new(), drawings, motions: Vec::new(), report })
+        Ok(drawings)
     }
 }
 

@@ -65,6 +65,9 @@ pub enum RunError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     TooLong(#[from] TooLong),
+    /// A signal ended a part of which nothing is kept.
+    #[error("interrupted: nothing is kept of this method, and the run starts from the beginning")]
+    Interrupted,
     /// The shards are not one ensemble.
     #[error(transparent)]
     Shards(#[from] ShardsError),

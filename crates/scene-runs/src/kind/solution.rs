@@ -1,6 +1,6 @@
 //! What a run finds, in memory, and what is left of it once it is written.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use result_figures::Drawing;
 use result_pages::{Motion, Note};
@@ -26,8 +26,8 @@ pub struct Solution {
     pub answers: Answers,
     /// Why the run ended before its last time.
     pub stopped: Option<SolverError>,
-    /// What is written into the folder of the results; none of a run without one.
-    pub output: Option<Output>,
+    /// What is written into the folder of the results, or why it could not be made; none of a run without a folder.
+    pub output: Option<Result<Output, RunError>>,
 }
 
 /// What a run writes into its folder.
@@ -45,13 +45,17 @@ pub struct Output {
     pub report: Report,
 }
 
-/// A run that has written its results.
-#[derive(Debug)]
+/// A run at its end.
+#[derive(Debug, Default)]
 pub struct Finished {
     /// Files written, `result.json` first.
     pub files: Vec<PathBuf>,
     /// What the run found; none of a shard, and on a rank without the results.
     pub found: Option<Found>,
+    /// Why a file could not be written. What was found is to be shown all the same.
+    pub unwritten: Option<RunError>,
+    /// The first number that is not finite, in words: `null` in `result.json`.
+    pub null: Option<String>,
 }
 
 /// What a run found.
@@ -64,17 +68,15 @@ pub struct Found {
 }
 
 impl Completed {
-    /// A solution on this process, of which `output` makes what is written, if the run has a folder.
-    ///
-    /// # Errors
-    /// Those of `output`.
+    /// A solution on this process, of which `output` makes what is written, if the run has a folder. Answers outlive its errors.
+    #[must_use]
     pub fn here(
         run: &Run<'_>,
         answers: Answers,
         output: impl FnOnce() -> Result<Output, RunError>,
-    ) -> Result<Self, RunError> {
-        let output = run.folder().map(|_| output()).transpose()?;
-        Ok(Self::Here(Box::new(Solution { answers, stopped: None, output })))
+    ) -> Self {
+        let output = run.folder().map(|_| output());
+        Self::Here(Box::new(Solution { answers, stopped: None, output }))
     }
 
     /// A solution of a run that ended before its last time for a reason, if there is one.
@@ -95,36 +97,64 @@ impl Completed {
     ) -> Result<Finished, RunError> {
         let Solution { answers, stopped, output } = match self {
             Self::Here(solution) => *solution,
-            Self::Elsewhere(files) => return Ok(Finished { files, found: None }),
+            Self::Elsewhere(files) => return Ok(Finished { files, ..Finished::default() }),
         };
-        let (mut files, mut notes) = (Vec::new(), answers.notes());
+        let notes = answers.notes();
+        let (mut found, mut finished) = (Found { answers, notes }, Finished::default());
         if let (Some(folder), Some(output)) = (run.folder(), output) {
-            let Output { result, files: written, drawings, motions, report } = output;
-            let path = folder.join(result_file::NAME);
-            let refused = |source| OutputError::Io { path: path.clone(), source };
-            write_text(&path, &result.text).map_err(refused)?;
-            files.push(path);
-            files.extend(written);
-            for drawing in drawings {
-                files.push(write_drawing(&drawing, folder).map_err(RunError::solver)?);
-            }
-            notes.splice(0..0, report.notes.iter().cloned());
-            let content = page::Content {
-                solver: run.solver,
-                schema,
-                answers: &answers,
-                notes: notes.clone(),
-                report,
-                motions,
-                result: &result,
-                written: &files,
-            };
-            let page = page::write(file, content, folder)?;
-            files.push(page);
+            let to = Destination { file, solver: run.solver, schema, folder };
+            let written = output.and_then(|output| output.write(&mut found, &mut finished, &to));
+            finished.unwritten = written.err();
         }
+        finished.found = Some(found);
         // The results so far are written; the early end is the outcome of the run.
-        stopped.map_or(Ok(Finished { files, found: Some(Found { answers, notes }) }), |error| {
-            Err(RunError::Solver(error))
-        })
+        stopped.map_or(Ok(finished), |error| Err(RunError::Solver(error)))
+    }
+}
+
+/// Where the results of a scene are written.
+struct Destination<'a> {
+    file: &'a SceneFile,
+    solver: &'static str,
+    schema: &'a Value,
+    folder: &'a Path,
+}
+
+impl Output {
+    /// Writes `result.json`, pictures and page, and adds the notes of the page to what was found.
+    fn write(
+        self,
+        found: &mut Found,
+        finished: &mut Finished,
+        to: &Destination<'_>,
+    ) -> Result<(), RunError> {
+        let Self { result, files, drawings, motions, report } = self;
+        let null =
+            |number: &String| Note::Warning(format!("null in `{}`: {number}", result_file::NAME));
+        found.notes.splice(0..0, report.notes.iter().cloned());
+        found.notes.extend(result.not_finite.as_ref().map(null));
+        finished.null.clone_from(&result.not_finite);
+        let written = &mut finished.files;
+        let path = to.folder.join(result_file::NAME);
+        let refused = |source| OutputError::Io { path: path.clone(), source };
+        write_text(&path, &result.text).map_err(refused)?;
+        written.push(path);
+        written.extend(files);
+        for drawing in drawings {
+            written.push(write_drawing(&drawing, to.folder).map_err(RunError::solver)?);
+        }
+        let content = page::Content {
+            solver: to.solver,
+            schema: to.schema,
+            answers: &found.answers,
+            notes: found.notes.clone(),
+            report,
+            motions,
+            result: &result,
+            written,
+        };
+        let page = page::write(to.file, content, to.folder)?;
+        written.push(page);
+        Ok(())
     }
 }

@@ -145,11 +145,15 @@ impl ErrorOrigin {
 impl From<Estimate> for Number {
     fn from(estimate: Estimate) -> Self {
         let (error, error_kind) = match estimate.uncertainty {
-            Uncertainty::StandardError(error) => (Some(error), ErrorOrigin::StandardError),
-            Uncertainty::Bound(error) => (Some(error), ErrorOrigin::Bound),
-            Uncertainty::Unknown => (None, ErrorOrigin::Unknown),
+            Uncertainty::StandardError(error) => (error, ErrorOrigin::StandardError),
+            Uncertainty::Bound(error) => (error, ErrorOrigin::Bound),
+            Uncertainty::Unknown => (f64::INFINITY, ErrorOrigin::Unknown),
         };
-        Self { value: estimate.value, error, error_kind }
+        if error.is_finite() {
+            Self { value: estimate.value, error: Some(error), error_kind }
+        } else {
+            Self { value: estimate.value, error: None, error_kind: ErrorOrigin::Unknown }
+        }
     }
 }
 

@@ -55,6 +55,18 @@ impl Report {
         }
     }
 
+    /// Pictures that could be drawn; the page says why one is missing, since a picture is no reason to lose an answer.
+    pub fn drawn<T, E: std::fmt::Display>(
+        &mut self,
+        what: &str,
+        drawn: Result<Vec<T>, E>,
+    ) -> Vec<T> {
+        drawn.unwrap_or_else(|error| {
+            self.absent.push(format!("The {what} are missing: {error}."));
+            Vec::new()
+        })
+    }
+
     /// Adds a table of values over time, of those at the last time alone if there are many.
     pub fn table_over_time(&mut self, table: Table, last: Table) {
         self.tables.push(if table.rows.len() <= MOST_ROWS { table } else { last });

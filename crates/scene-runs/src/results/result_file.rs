@@ -13,6 +13,8 @@ pub(crate) const NAME: &str = "result.json";
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResultFile {
     pub(crate) text: String,
+    /// Words on a number that is not finite: `null` in the text.
+    pub(crate) not_finite: Option<String>,
     /// The scene with its defaults.
     pub(crate) scene: Value,
     pub(crate) machine: Machine,
@@ -38,8 +40,10 @@ pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 impl ResultFile {
     /// The result of a scene on this machine.
     ///
+    /// A number that is not finite is written as `null`, and a warning of the run names it: one number does not cost the others.
+    ///
     /// # Errors
-    /// [`JsonError`] for a number that is not finite.
+    /// [`JsonError::Shape`].
     pub fn new(
         schema: &'static str,
         scene: &impl Serialize,
@@ -49,8 +53,9 @@ impl ResultFile {
         let (version, of_machine) = (VERSION, &machine);
         let commit_of = commit.as_deref();
         let keys = Keys { schema, version, commit: commit_of, machine: of_machine, scene, content };
-        let text = finite::to_json(&keys)?;
+        let (text, not_finite) = finite::to_json_with_null(&keys)?;
+        let not_finite = not_finite.map(|number| number.to_string());
         let scene = serde_json::to_value(scene)?;
-        Ok(Self { text, scene, machine, commit })
+        Ok(Self { text, not_finite, scene, machine, commit })
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn run_alone(
     let progress = Progress::on_stderr();
     let finished = kind::run_on_ranks(ALL, scene, options, &progress, &Alone);
     progress.finish();
-    summary::print_finished(&finished?, ending, output)
+    summary::print_finished(finished?, ending, output)
 }
 
 /// Runs a scene together with the other ranks. An error on one rank aborts all of them; the function does not return.
@@ -59,7 +59,7 @@ pub(super) fn run_scene(
     let finished = kind::run_on_ranks(ALL, scene, options, &progress, &world);
     progress.finish();
     match finished {
-        Ok(finished) => summary::print_finished(&finished, ending, output),
+        Ok(finished) => summary::print_finished(finished, ending, output),
         Err(error) => {
             // The other ranks reject what rank 0 rejects, or receive no message.
             if is_first {

@@ -19,12 +19,16 @@ pub(super) enum Ending {
 }
 
 /// Prints what a run has found and written.
+///
+/// # Errors
+/// Why a file could not be written, after the answers.
 pub(super) fn print_finished(
-    finished: &Finished,
+    finished: Finished,
     ending: Ending,
     output: &mut dyn Write,
 ) -> miette::Result<ExitCode> {
-    print(&finished.files, finished.found.as_ref(), ending, output)
+    let code = print(&finished.files, finished.found.as_ref(), ending, output)?;
+    finished.unwritten.map_or(Ok(code), |error| Err(error.into()))
 }
 
 /// Prints what was found and written. A shard, or a rank without results, has paths alone.

@@ -139,7 +139,7 @@ fn index_charts(content: &Content, time: &str, report: &mut Report) {
         let mut series: BTreeMap<String, Vec<Point>> = BTreeMap::new();
         for response in quantity.values.iter().filter(|it| it.is_instant()) {
             for share in &response.sobol_indices {
-                let total = Number::sampled(share.total, Some(share.total_standard_error));
+                let total = Number::sampled(share.total, share.total_standard_error);
                 let points = series.entry(share.parameter.clone()).or_default();
                 points.push(total.point(response.time()));
             }
@@ -188,9 +188,9 @@ fn tables(content: &Content, time: &str, report: &mut Report) {
                     with(vec![
                         Cell::text(it.parameter.clone()),
                         cell(Some(it.first)),
-                        short_cell(Some(it.first_standard_error)),
+                        short_cell(it.first_standard_error),
                         cell(Some(it.total)),
-                        short_cell(Some(it.total_standard_error)),
+                        short_cell(it.total_standard_error),
                     ])
                 }));
                 all.push(row);

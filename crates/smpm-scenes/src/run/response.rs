@@ -170,10 +170,10 @@ pub(super) struct Shares {
     pub(super) parameter: String,
     /// First-order index: what it causes alone.
     pub(super) first: f64,
-    pub(super) first_standard_error: f64,
+    pub(super) first_standard_error: Option<f64>,
     /// Total index: what would remain if all others were fixed.
     pub(super) total: f64,
-    pub(super) total_standard_error: f64,
+    pub(super) total_standard_error: Option<f64>,
     /// Part of the variance that a fitted polynomial leaves: an index may be off by it, besides its standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) unexplained: Option<f64>,
@@ -193,7 +193,9 @@ pub(super) struct Chance {
 
 fn error_of(estimate: &Estimate) -> Option<f64> {
     match estimate.uncertainty {
-        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => Some(error),
+        Uncertainty::StandardError(error) | Uncertainty::Bound(error) => {
+            Some(error).filter(|error| error.is_finite())
+        }
         Uncertainty::Unknown => None,
     }
 }
@@ -267,13 +269,12 @@ impl<const D: usize> Table<'_, D> {
         total: &[Estimate],
         unexplained: Option<f64>,
     ) -> Vec<Shares> {
-        let error = |estimate: &Estimate| error_of(estimate).unwrap_or(f64::INFINITY);
         let of = |(random, (first, total)): (&RandomScene, (&Estimate, &Estimate))| Shares {
             parameter: random.parameter.clone(),
             first: first.value,
-            first_standard_error: error(first),
+            first_standard_error: error_of(first),
             total: total.value,
-            total_standard_error: error(total),
+            total_standard_error: error_of(total),
             unexplained,
         };
         self.scene.random.iter().zip(first.iter().zip(total)).map(of).collect()

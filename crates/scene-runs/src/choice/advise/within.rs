@@ -20,6 +20,8 @@ pub struct Within {
     pub label: String,
     /// What the run found.
     pub found: Found,
+    /// Why a file could not be written.
+    pub unwritten: Option<RunError>,
     /// Selected answers whose error is smaller than their scale in the trials, with the run's own error estimates.
     pub judged: Vec<Answer>,
 }
@@ -60,7 +62,8 @@ pub fn run_within(
     let label = advice.ladder.methods[best.method].at(&rung.label);
     progress.stage(&label);
     let refined = file.with_keys(Value::Object(rung.scene));
-    let kind::Finished { files, found } = kind.run_file(&refined, options, progress)?;
+    let kind::Finished { files, found, unwritten, .. } =
+        kind.run_file(&refined, options, progress)?;
     let found = found.ok_or(RunError::NoShards)?;
     let is_judged = |answer: &&Answer| {
         answer.role != Role::Shown
@@ -68,7 +71,7 @@ pub fn run_within(
                 .any(|q| advice.is_known(q) && advice.judgements[q].id == answer.id)
     };
     let judged = found.answers.list.iter().filter(is_judged).cloned().collect();
-    Ok(Within { files, label, found, judged })
+    Ok(Within { files, label, found, unwritten, judged })
 }
 
 /// The quantity with the largest error, and the reason.

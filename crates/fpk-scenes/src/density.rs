@@ -369,21 +369,29 @@ fn advance_over<S, O: DensitySimulation<S, D, M>, const D: usize, const M: usize
 where
     S: Sde<D, M>,
 {
-    let least = LEAST_PART * (end - simulation.density().time());
-    for &kink in kinks {
-        let is_ahead = kink - simulation.density().time() > least && end - kink > least;
-        if is_ahead {
-            simulation.advance_while(kink, goes_on)?;
-            if simulation.density().time() < kink {
-                return Ok(());
-            }
+    for stop in stops_before(kinks, simulation.density().time(), end) {
+        simulation.advance_while(stop, goes_on)?;
+        if simulation.density().time() < stop {
+            return Ok(());
         }
     }
     simulation.advance_while(end, goes_on)
 }
 
-/// Part of the time between observations that a step to a kink takes at least: a multistep scheme divides by it.
-const LEAST_PART: f64 = 1e-6;
+/// Kinks between two observations at which a step ends: those farther from both, and from each other, than a millionth of the time
+/// between them, by which a multistep scheme would divide.
+pub(crate) fn stops_before(kinks: &[f64], start: f64, end: f64) -> Vec<f64> {
+    const LEAST_PART: f64 = 1e-6;
+    let (least, mut last) = (LEAST_PART * (end - start), start);
+    let mut stops = Vec::new();
+    for &kink in kinks {
+        if kink - last > least && end - kink > least {
+            stops.push(kink);
+            last = kink;
+        }
+    }
+    stops
+}
 
 fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
     simulation: &Simulation<S, D, M>,

@@ -116,7 +116,7 @@ fn solve(scene: &FpkScene, system: &System, run: &Run<'_>) -> Result<Computed<Ou
         MethodScene::StatisticalLinearisation { step } => {
             alone()?;
             run.progress.stage("statistical linearisation");
-            Ok(Computed::Here(system.visit(Linearised { scene, system, step })?.into()))
+            Ok(Computed::Here(system.visit(Linearised { scene, system, run, step })?.into()))
         }
         MethodScene::GuidedPaths { samples, step, seed, .. } => {
             let how = Estimator::Guided { samples };

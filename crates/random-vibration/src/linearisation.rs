@@ -62,6 +62,17 @@ pub enum LinearisationError {
         /// The state at which it splits.
         at: usize,
     },
+    /// The nested rules have too many nodes: the cost of every step.
+    #[error(
+        "an expectation of these rules takes {value} nodes; at most {limit}: take sampled paths, or a system whose kinks depend on two \
+         states each (`PairwiseSde`)"
+    )]
+    TooManyNodes {
+        /// Number of nodes.
+        value: f64,
+        /// Limit.
+        limit: f64,
+    },
     /// The computed covariance is not positive definite.
     #[error(
         "at t = {time} the pivot of the covariance at state {state} is {value}; it must be positive"
@@ -110,6 +121,20 @@ impl<const D: usize> Linearisation<D> {
         law: &GaussianMixture<D>,
         times: &[f64],
     ) -> Result<Vec<GaussianLaw<D>>, LinearisationError> {
+        self.laws_while(system, law, times, &mut |_| true)
+    }
+
+    /// The same as long as `goes_on`, which is asked at the time after each step: distributions at the times up to then.
+    ///
+    /// # Errors
+    /// [`LinearisationError`].
+    pub fn laws_while<const M: usize>(
+        &self,
+        system: &dyn Sde<D, M, Noise = Additive>,
+        law: &GaussianMixture<D>,
+        times: &[f64],
+        goes_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Vec<GaussianLaw<D>>, LinearisationError> {
         let closure = self.closure(system, HALF_NODES)?;
         let mut now = GaussianLaw { t: 0.0, mean: law.mean(), covariance: law.covariance() };
         let mut laws = Vec::with_capacity(times.len());
@@ -124,6 +149,9 @@ impl<const D: usize> Linearisation<D> {
                 now.t = from + done * dt;
                 now = closure.stepped_within(&now, dt, MOST_HALVINGS)?;
                 done += 1.0;
+                if !goes_on(from + done * dt) {
+                    return Ok(laws);
+                }
             }
             now.t = end;
             laws.push(now);
@@ -137,11 +165,11 @@ impl<const D: usize> Linearisation<D> {
         system: &'a dyn Sde<D, M, Noise = Additive>,
         half_nodes: usize,
     ) -> Result<Closure<'a, D, M>, LinearisationError> {
-        self.check()?;
+        self.check(half_nodes)?;
         Ok(Closure { system, order: self.order, legendre: half_line_rule(half_nodes) })
     }
 
-    fn check(&self) -> Result<(), LinearisationError> {
+    fn check(&self, half_nodes: usize) -> Result<(), LinearisationError> {
         if !(self.step > 0.0 && self.step.is_finite()) {
             return Err(LinearisationError::Step { value: self.step });
         }
@@ -155,6 +183,14 @@ impl<const D: usize> Linearisation<D> {
             if state >= D || std::mem::replace(&mut seen[state], true) {
                 return Err(LinearisationError::Order { value: state, limit: D });
             }
+        }
+        let of = |(_, rule)| match rule {
+            Quadrature::Hermite => 3.0,
+            Quadrature::SplitAtZero | Quadrature::SplitAt(_) => 2.0 * half_nodes as f64,
+        };
+        let value: f64 = self.order.map(of).iter().product();
+        if value > MOST_NODES {
+            return Err(LinearisationError::TooManyNodes { value, limit: MOST_NODES });
         }
         Ok(())
     }
@@ -348,6 +384,8 @@ const MOST_HALVINGS: u32 = 12;
 pub(crate) const FAR: f64 = 7.5;
 /// Nodes on either side of zero.
 const HALF_NODES: usize = 16;
+/// Nodes of an expectation. About 1e7 are evaluated in a second (measured on 2026-11-27), four times this in each step.
+const MOST_NODES: f64 = 3e5;
 
 /// Nodes and weights over `[0, 1]`: the Gauss-Legendre rule with `y = u^2`, which is accurate for a root at zero.
 pub(crate) fn half_line_rule(n_nodes: usize) -> Vec<(f64, f64)> {

@@ -1,9 +1,9 @@
 //! A density scene by statistical linearisation.
 
-use random_vibration::{GaussianLaw, Linearisation, LinearisationError, Quadrature};
+use random_vibration::{GaussianLaw, Linearisation, Quadrature};
 use scene_runs::answers::Unknown;
 use scene_runs::clock::CpuClock;
-use scene_runs::kind::RunError;
+use scene_runs::kind::{Run, RunError};
 use sde_integrators::{Additive, Sde};
 
 use super::observed::{Observed, Refinement};
@@ -17,6 +17,7 @@ use crate::system::{System, Visitor};
 pub(super) struct Linearised<'a> {
     pub(super) scene: &'a FpkScene,
     pub(super) system: &'a System,
+    pub(super) run: &'a Run<'a>,
     /// Longest step.
     pub(super) step: f64,
 }
@@ -51,7 +52,7 @@ impl Linearised<'_> {
         self,
         system: &dyn Sde<D, M, Noise = Additive>,
     ) -> Result<Content, RunError> {
-        let Self { scene, system: named, step } = self;
+        let Self { scene, system: named, run, step } = self;
         let (law, asked) = (scene.initial_law::<D>(named)?, scene.requested::<D>(named, false)?);
         let order = order(named.kinks());
         // Steps end at kinks of a modulating function, across which they would lose their order.
@@ -60,9 +61,13 @@ impl Linearised<'_> {
         let mut stops: Vec<f64> = kinks.chain(asked.times.iter().copied()).collect();
         stops.sort_by(f64::total_cmp);
         stops.dedup();
-        let laws = |step| -> Result<Vec<GaussianLaw<D>>, LinearisationError> {
+        let laws = |step| -> Result<Vec<GaussianLaw<D>>, RunError> {
+            let pace = run.pace("statistical linearisation");
             let rule = Linearisation { order, step };
-            let laws = rule.laws(system, &law, &stops)?;
+            let mut goes_on = |t: f64| pace.goes_on(t / until);
+            let laws = rule.laws_while(system, &law, &stops, &mut goes_on);
+            let laws = laws.map_err(RunError::solver)?;
+            pace.ended()?;
             let is_asked = |law: &GaussianLaw<D>| asked.times.contains(&law.t);
             Ok(laws.into_iter().filter(is_asked).collect::<Vec<_>>())
         };
@@ -74,8 +79,7 @@ impl Linearised<'_> {
         let steps = StepsOfInterval::new((every / step.min(shortest)).max(FEWEST_STEPS), RATIO);
         // Of an interval, and not below it by roundoff.
         let length = |n: u32| every / f64::from(n) * (1.0 + 1e-9);
-        let fine =
-            laws(if is_exact { length(steps.fine) } else { step }).map_err(RunError::solver)?;
+        let fine = laws(if is_exact { length(steps.fine) } else { step })?;
         let work = WorkRecord { cpu_seconds: clock.seconds(), ..WorkRecord::default() };
         let refinements = if is_exact {
             let (ratio, next) = steps.ratios();

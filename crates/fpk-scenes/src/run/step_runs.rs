@@ -48,29 +48,33 @@ pub(super) struct Interval {
 }
 
 impl Interval {
-    /// Of a scene, and the kinks of its noise at which steps end: all of them, unless a tabulated window has more rows than the run has
-    /// steps.
+    /// Of a scene, and the kinks of its noise at which steps end.
     pub(super) fn of_scene<const D: usize>(
         scene: &FpkScene,
         config: Option<&Config<D>>,
         period: f64,
     ) -> (Self, Vec<f64>) {
-        let until = scene.times.until;
-        let mut kinks = scene.system.kinks();
-        kinks.retain(|&t| t > 0.0 && t < until);
-        kinks.sort_by(f64::total_cmp);
         let steps = match config.map(|config| config.method.combination_in(D).step) {
             Some(StepRule::PeriodFraction { steps_per_period }) => {
-                steps_per_period * until / period
+                steps_per_period * scene.times.until / period
             }
             _ => 0.0,
         };
-        let has_kinks = kinks.len() as f64 > steps;
-        if has_kinks {
-            kinks.clear();
-        }
-        (Self { periods: scene.times.every / period, has_kinks }, kinks)
+        let kinks = kinks_of_steps(scene, steps);
+        (
+            Self { periods: scene.times.every / period, has_kinks: kinks.is_none() },
+            kinks.unwrap_or_default(),
+        )
     }
+}
+
+/// Kinks of the noise at which the steps of a run end, sorted: all of them, and none where a tabulated window has more rows than the run
+/// has steps, which then cross them.
+pub(super) fn kinks_of_steps(scene: &FpkScene, steps: f64) -> Option<Vec<f64>> {
+    let mut kinks = scene.system.kinks();
+    kinks.retain(|&t| t > 0.0 && t < scene.times.until);
+    kinks.sort_by(f64::total_cmp);
+    (kinks.len() as f64 <= steps).then_some(kinks)
 }
 
 /// Runs with steps twice and four times as long as those of a run, or with half of them where a limit of stability gives longer ones

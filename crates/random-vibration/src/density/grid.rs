@@ -94,6 +94,18 @@ impl<'a> GridDensity<'a> {
     /// # Errors
     /// [`GridError`].
     pub fn advance_to(&mut self, end: f64) -> Result<(), GridError> {
+        self.advance_while(end, &mut |_| true)
+    }
+
+    /// The same as long as `goes_on`, which is asked at the time after each pair of steps.
+    ///
+    /// # Errors
+    /// [`GridError`].
+    pub fn advance_while(
+        &mut self,
+        end: f64,
+        goes_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<(), GridError> {
         let span = end - self.time;
         if span.is_nan() || span < 0.0 {
             return Err(GridError::Time { value: end, limit: self.time });
@@ -127,7 +139,11 @@ impl<'a> GridDensity<'a> {
             self.time = from + done * tau;
             self.steps += 1;
             let is_last = done >= 2.0 * pairs;
-            self.drift(if is_last { half_drift } else { 2.0 * half_drift })?;
+            let is_ended = !is_last && !is_even && !goes_on(self.time);
+            self.drift(if is_last || is_ended { half_drift } else { 2.0 * half_drift })?;
+            if is_ended {
+                return Ok(());
+            }
         }
         self.time = end;
         Ok(())

@@ -10,8 +10,10 @@ use crate::guides::backward::Start;
 
 /// Largest number of steps: the guides of all strengths then take two gigabytes with four states.
 const MOST_STEPS: usize = 1 << 22;
-/// Number of paths per block, and the largest number of blocks of a set: longer sets have longer blocks.
+/// Number of paths per block, and the number of blocks of a set above which blocks are longer.
 const BLOCK: (u64, u64) = (512, 1024);
+/// Largest number of paths per block: what is computed between two looks at the time that a run takes.
+const LONGEST: u64 = 32_768;
 
 /// Paths of a system from a start.
 pub(crate) struct PathRunner<'a> {
@@ -120,7 +122,14 @@ pub(crate) const fn n_blocks(n_paths: u64) -> u64 {
 const fn block_length(n_paths: u64) -> u64 {
     let (unit, most) = BLOCK;
     let multiple = n_paths.div_ceil(unit * most);
-    if multiple == 0 { unit } else { unit * multiple }
+    let most = LONGEST / unit;
+    unit * if multiple == 0 {
+        1
+    } else if multiple > most {
+        most
+    } else {
+        multiple
+    }
 }
 
 /// Numbers of paths in the blocks of a set, in order.

@@ -53,6 +53,19 @@ fn an_undamped_oscillator_turns_as_a_whole() {
     assert!((density.exceedance(0.9) / expected - 1.0).abs() < 2e-2, "{}", density.exceedance(0.9));
 }
 
+#[test]
+fn a_grid_that_is_stopped_is_a_density_at_a_time_between() {
+    let (system, law) = (TURNING, law());
+    let mut density = GridDensity::new(&system, &law, CONFIG).unwrap();
+    density.advance_while(PERIOD, &mut |t| t < 0.2 * PERIOD).unwrap();
+    // The first even number of sixteenths beyond a fifth.
+    assert!((density.time() / PERIOD - 0.25).abs() < 1e-12 && density.steps() == 4);
+    let second = density.raw_moment([2, 0]).unwrap();
+    assert!((second - 0.09).abs() < 1.6e-4, "{second}");
+    density.advance_to(PERIOD).unwrap();
+    assert!(density.steps() == 16 && (density.raw_moment([1, 0]).unwrap() - 0.3).abs() < 1e-10);
+}
+
 /// An undamped oscillator of frequency 2 under white noise of intensity 1.
 #[derive(Debug)]
 struct Shaken;

@@ -63,6 +63,21 @@ impl Sde<2, 1> for Root {
     }
 }
 
+/// Four states with a root at zero.
+struct FourRoots;
+
+impl Sde<4, 1> for FourRoots {
+    type Noise = Additive;
+
+    fn drift(&self, _: f64, x: &[f64; 4]) -> [f64; 4] {
+        x.map(|x| -x.abs().sqrt().copysign(x))
+    }
+
+    fn noise(&self, _: f64, _: &[f64; 4]) -> [[f64; 1]; 4] {
+        [[0.0]; 4]
+    }
+}
+
 #[test]
 fn a_root_of_the_drift_is_integrated_as_in_closed_form_at_zero_and_between_two_states() {
     // E[x f(x)] = s^1.35 2^0.675 Gamma(1.175)/sqrt(pi), twice of which the variance loses.
@@ -119,6 +134,11 @@ fn bad_input_is_refused() {
     assert!(matches!(with(good, &[1.0, 1.0]), LinearisationError::Times { .. }));
     let twice = Linearisation { order: [good.order[0]; 2], ..good };
     assert_eq!(with(twice, &[1.0]), LinearisationError::Order { value: 1, limit: 2 });
+    let order = [0, 1, 2, 3].map(|k| (k, Quadrature::SplitAtZero));
+    let law = GaussianMixture::independent([0.0; 4], [1.0; 4]).unwrap();
+    let four_kinks = Linearisation { order, step: 0.1 };
+    let error = four_kinks.laws(&FourRoots, &law, &[1.0]).unwrap_err();
+    assert_eq!(error, LinearisationError::TooManyNodes { value: 1_048_576.0, limit: 3e5 });
     let early = plane(Quadrature::SplitAt(0));
     assert_eq!(with(early, &[1.0]), LinearisationError::Split { state: 1, at: 0 });
 }

@@ -88,6 +88,22 @@ fn sampled_paths_that_would_take_too_long_are_refused_and_go_on_where_they_were(
 }
 
 #[test]
+fn methods_of_which_nothing_is_kept_are_refused_and_begin_again() {
+    for method in [
+        "{ 'conservative_grid': { 'cells': 64, 'reach': 6, 'steps_per_period': 40 } }",
+        "{ 'statistical_linearisation': { 'step': 0.001 } }",
+    ] {
+        refused_and_resumed(&changed(
+            DENSITY,
+            &[
+                ("{ 'flow_map_fit': { 'spacing': 0.5, 'reach': 4 } }", method),
+                (",\n  'planes': { 'states': [['q', 'v']], 'times': [0.1, 0.5] }", ""),
+            ],
+        ));
+    }
+}
+
+#[test]
 fn bodies_that_would_take_too_long_are_refused_and_go_on_where_they_were() {
     refused_and_resumed(BODIES);
     let samples = "{ 'monte_carlo': { 'samples': 40, 'seed': 3, 'control': false } }";

@@ -178,33 +178,35 @@ const OF_RUN: [OfRun; 3] = [
 ///
 /// A difference of runs is far too small where it changes its sign, which seldom happens in all quantities at once.
 #[derive(Debug, Clone, Copy)]
-struct SharedError(f64);
+pub(crate) struct SharedError(f64);
 
 /// Part of the shared error that each quantity has at least.
 const PART_SHARED: f64 = 0.25;
 
 impl SharedError {
-    /// The largest of the moments: the relative error of a moment of order `n` is `n` times that of a scale.
-    fn of(row: &Row, by_runs: &[Vec<Observed>], orders: &[f64]) -> Self {
-        let of_moment = |(k, values): (usize, &Vec<Observed>)| {
-            let observed =
-                values.iter().find(|observed| observed.t.to_bits() == row.t.to_bits())?;
-            let relative = observed.error? / (orders[k] * row.scales[k]);
-            relative.is_finite().then_some(relative)
-        };
-        Self(by_runs.iter().enumerate().filter_map(of_moment).fold(0.0, f64::max))
+    /// The largest of some moments, of each its error at a time and its order times its scale: the relative error of a moment of order
+    /// `n` is `n` times that of a scale.
+    pub(crate) fn of(moments: impl Iterator<Item = (Option<f64>, f64)>) -> Self {
+        let relative =
+            moments.filter_map(|(error, order_and_scale)| Some(error? / order_and_scale));
+        Self(relative.filter(|relative| relative.is_finite()).fold(0.0, f64::max))
     }
 
-    fn of_moment(self, order_and_scale: f64) -> f64 {
+    pub(crate) fn of_moment(self, order_and_scale: f64) -> f64 {
         PART_SHARED * self.0 * order_and_scale
     }
 
-    fn of_probability(self, value: f64) -> f64 {
+    pub(crate) fn of_probability(self, value: f64) -> f64 {
         PART_SHARED * self.0 * by_scale(value)
     }
 }
 
-fn order(powers: &[u32]) -> u32 {
+/// Values at a time.
+pub(crate) fn at(values: &[Observed], t: f64) -> Option<&Observed> {
+    values.iter().find(|observed| observed.t.to_bits() == t.to_bits())
+}
+
+pub(crate) fn order(powers: &[u32]) -> u32 {
     powers.iter().sum::<u32>().max(1)
 }
 
@@ -220,7 +222,12 @@ pub(in crate::run) fn series(
     let orders: Vec<f64> = scene.moments.iter().map(|powers| f64::from(order(powers))).collect();
     let by_runs: Vec<Vec<Observed>> =
         (0..orders.len()).map(|k| both.values(|row| Some(row.moments[k]))).collect();
-    let shared = |row: &Row| SharedError::of(row, &by_runs, &orders);
+    let shared = |row: &Row| {
+        let of = |(k, values): (usize, &Vec<Observed>)| {
+            (at(values, row.t).and_then(|it| it.error), orders[k] * row.scales[k])
+        };
+        SharedError::of(by_runs.iter().enumerate().map(of))
+    };
     let moment = |((k, powers), values): ((usize, &Vec<u32>), &Vec<Observed>)| {
         let mut values = values.clone();
         for observed in &mut values {

@@ -4,6 +4,7 @@ mod building_scene;
 mod method_scene;
 pub mod run;
 pub mod scene;
+mod step_bias;
 
 pub use self::building_scene::{
     BuildingScene, DampingScene, GroundScene, HysteresisScene, SoilScene,

@@ -10,7 +10,7 @@ mod resolution_error;
 mod resolutions;
 mod sampled;
 mod shown;
-mod step_bias;
+pub(crate) mod step_bias;
 mod step_runs;
 mod tails;
 #[cfg(test)]

@@ -48,8 +48,9 @@ pub enum BuildingMethod {
 }
 
 impl BuildingMethod {
-    /// Longest step.
-    pub(super) const fn step(&self) -> f64 {
+    /// Longest step (s).
+    #[must_use]
+    pub const fn step(&self) -> f64 {
         match *self {
             Self::GuidedPaths { step, .. }
             | Self::MonteCarlo { step, .. }

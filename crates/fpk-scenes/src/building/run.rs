@@ -15,6 +15,7 @@ use vibrating_systems::ShearBuilding;
 
 use super::method_scene::BuildingMethod;
 use super::scene::PassageScene;
+use super::step_bias;
 use crate::run::charts;
 use crate::run::observed::Observed;
 use crate::run::outcome::{Outcome, Presentation};
@@ -51,10 +52,12 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let scene = &scene;
     let times = scene.times.list();
     let found = Probabilities::new(Probability::FirstPassage, &times, &scene.thresholds);
-    let found = match solve(scene, &building, (run, seed), found)? {
+    let mut found = match solve(scene, &building, (run, seed), found)? {
         Computed::Here(found) => found,
         Computed::Elsewhere(files) => return Ok(Completed::Elsewhere(files)),
     };
+    run.progress.stage("pairs of paths, for the bias of the steps");
+    found.add_bias(&step_bias::of_passages(scene, &building, seed));
     let demand = scene.response.storey.map_or_else(
         || "largest drift of all storeys".to_owned(),
         |storey| format!("largest drift of storey {storey}"),

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::observed::Observed;
 use super::record::{Content, Probability, Quantity, Series, WorkRecord};
+use super::step_bias::StepBias;
 
 /// Share of guided paths without a guide.
 pub(crate) const UNGUIDED: f64 = 0.05;
@@ -114,6 +115,16 @@ impl<'a> Probabilities<'a> {
             }
             Computed::Elsewhere(files) => Computed::Elsewhere(files),
         })
+    }
+
+    /// Adds the bias of the steps to the errors.
+    pub(crate) fn add_bias(&mut self, bias: &StepBias) {
+        for (&threshold, values) in self.thresholds.iter().zip(&mut self.values) {
+            for observed in values {
+                bias.add_to_probability(threshold, observed);
+            }
+        }
+        self.unknown.extend(bias.unknown());
     }
 
     /// The result for a demand in words; thresholds without a value are omitted.

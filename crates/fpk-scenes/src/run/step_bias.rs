@@ -3,9 +3,12 @@
 
 use scene_runs::answers::Unknown;
 use scene_runs::causes::with_causes;
-use sde_integrators::{EnsembleConfig, GaussianMixture, Observable, StepDifference};
+use sde_integrators::{
+    EnsembleConfig, GaussianMixture, Observable, StepDifference, normal_probability,
+    normal_quantile,
+};
 
-use super::observed::{Observed, by_scale};
+use super::observed::Observed;
 use crate::density::{Requested, monomial};
 use crate::monte_carlo::Sampling;
 use crate::paths::{PathEnsemble, Paths};
@@ -20,7 +23,7 @@ const MOST_AMPLITUDE: f64 = 64.0;
 
 /// The bias of the steps of paths at each time of observation.
 #[derive(Debug)]
-pub(super) struct StepBias {
+pub(crate) struct StepBias {
     /// Empty where a pair failed. The last difference is that of the square of the demand.
     rows: Vec<Vec<StepDifference>>,
     /// Why, if one did.
@@ -28,9 +31,52 @@ pub(super) struct StepBias {
     /// The square of the demand at each time, with noise of twice the amplitude, four times and so on until it reaches the
     /// highest threshold; none of a linear system, whose bias is the same for all.
     amplified: Vec<Vec<StepDifference>>,
-    is_linear: bool,
+    measured_as: MeasuredAs,
     times: Vec<f64>,
-    bias_over_difference: f64,
+}
+
+/// What pairs of paths show of a sampling.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MeasuredAs {
+    /// Whether the bias of a scale is the same for all thresholds.
+    pub(crate) is_linear: bool,
+    pub(crate) highest_threshold: f64,
+    pub(crate) bias_over_difference: f64,
+    pub(crate) law: Law,
+}
+
+/// How a probability depends on the scale of its demand.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Law {
+    /// `P = 2 Phi(-z)`.
+    Normal,
+    /// Passages by independent crossings, as many as half periods up to then: `P = 1 - exp(-n exp(-z^2/2))`.
+    Crossings { half_period: f64 },
+}
+
+impl Law {
+    /// What a probability becomes where the noise is larger by a factor: `2 Phi(-z/f)`, or `1 - exp(-L f')` with `L = -ln(1 - P)` and
+    /// `ln f' = (1 - 1/f^2) z^2/2`, `z^2 = 2 ln(n/L)`.
+    fn with_noise(self, t: f64, probability: f64, factor: f64) -> f64 {
+        match self {
+            Self::Normal => 2.0 * normal_probability(normal_quantile(0.5 * probability) / factor),
+            Self::Crossings { half_period } => {
+                let expected = -(-probability).ln_1p();
+                let square = 2.0 * (t / half_period).max(1.0).ln() - 2.0 * expected.ln();
+                let more = 0.5 * square.max(1.0) * (1.0 - factor.powi(-2));
+                -(-expected * more.exp()).exp_m1()
+            }
+        }
+    }
+
+    /// The larger change of a probability where the noise is larger, or smaller, by a factor.
+    fn change(self, t: f64, probability: f64, factor: f64) -> f64 {
+        if probability <= 0.0 || probability >= 1.0 {
+            return 0.0;
+        }
+        let more = self.with_noise(t, probability, factor) - probability;
+        more.max(probability - self.with_noise(t, probability, 1.0 / factor))
+    }
 }
 
 /// What half the step changes of the scale of a demand: relative bias, and the power of the amplitude with which the scale grows.
@@ -57,31 +103,50 @@ impl StepBias {
         observables.push(Observable::Mean(&square));
         let &Sampling { paths, step, seed } = sampling;
         let config = EnsembleConfig { seed, n_paths: paths, dt: step, times: times.clone() };
-        let pairs = |observables: &[Observable<'_, D>], n: u64, amplitude: f64| {
+        let pairs = |amplitude: f64| {
+            let (observables, n) = if amplitude > 1.0 {
+                (&[Observable::Mean(&square)][..], AMPLIFIED)
+            } else {
+                (&observables[..], (paths / PART).clamp(FEWEST, MOST))
+            };
             let ensemble = PathEnsemble { law, config: &config, observables };
             system.step_differences(&ensemble, n, amplitude)
         };
-        let found = pairs(&observables, (paths / PART).clamp(FEWEST, MOST), 1.0);
+        let measured_as = MeasuredAs {
+            is_linear,
+            highest_threshold: thresholds.iter().copied().fold(0.0, f64::max),
+            bias_over_difference: S::INTEGRATOR.bias_over_difference(),
+            law: Law::Normal,
+        };
+        Self::of_pairs(times, measured_as, pairs)
+    }
+
+    /// Measures the bias by pairs of paths under noise of an amplitude: per time the differences of the observables, the last of them
+    /// the square of the demand.
+    pub(crate) fn of_pairs<E: std::error::Error + 'static>(
+        times: &[f64],
+        measured_as: MeasuredAs,
+        pairs: impl Fn(f64) -> Result<Vec<Vec<StepDifference>>, E>,
+    ) -> Self {
+        let found = pairs(1.0);
         let failed = found.as_ref().err().map(|error| with_causes(error));
         let rows = found.unwrap_or_default();
-        let highest = thresholds.iter().copied().fold(0.0, f64::max);
-        let is_below = |rows: &[StepDifference]| rows.iter().any(|row| rms(row) < highest);
+        let MeasuredAs { is_linear, highest_threshold, .. } = measured_as;
+        let is_below = |row: &StepDifference| rms(row) < highest_threshold;
         let (mut amplified, mut amplitude) = (Vec::new(), 2.0);
-        let mut goes_on = !is_linear && failed.is_none() && highest > 0.0;
+        let mut goes_on = !is_linear && failed.is_none() && highest_threshold > 0.0;
         while goes_on && amplitude <= MOST_AMPLITUDE {
-            let found = pairs(&[Observable::Mean(&square)], AMPLIFIED, amplitude);
-            let Ok(found) = found else { break };
+            let Ok(found) = pairs(amplitude) else { break };
             let at_times: Vec<StepDifference> = found.into_iter().flatten().collect();
-            goes_on = is_below(&at_times);
+            goes_on = at_times.iter().any(is_below);
             amplified.push(at_times);
             amplitude *= 2.0;
         }
-        let bias_over_difference = S::INTEGRATOR.bias_over_difference();
-        Self { rows, failed, amplified, is_linear, times: times.clone(), bias_over_difference }
+        Self { rows, failed, amplified, measured_as, times: times.to_vec() }
     }
 
     /// The errors that are unknown without the bias.
-    pub(super) fn unknown(&self) -> Option<Unknown> {
+    pub(crate) fn unknown(&self) -> Option<Unknown> {
         let failed = self.failed.as_ref()?;
         Some(Unknown {
             what: "errors of all quantities".to_owned(),
@@ -97,18 +162,28 @@ impl StepBias {
         observed.add_error(bias);
     }
 
-    /// Adds the bias to the error of a probability `P = 2 Phi(-z)` that the demand is above a threshold: that of the scale of the
-    /// demand where it is as large as the threshold, by `dP / d ln(scale) = 2 z phi(z) / a`. With noise amplified by `s` the scale
-    /// grows as `s^a`: `a` is 1 for a linear system, whose probabilities are normal, and 1/2 where a cubic force prevails.
-    pub(super) fn add_to_probability(&self, threshold: f64, observed: &mut Observed) {
-        if observed.error.is_none() {
-            return;
-        }
-        let slope = by_scale(observed.value);
-        let bias = self.of_scale(observed.t, threshold);
-        observed.add_error(bias.map(|OfScale { relative, power }| slope * relative / power));
-        if bias.is_none() && self.failed.is_none() {
-            let note = "no path with half the step came so far: the bias of the steps is unknown; take shorter ones";
+    /// Adds the bias to the error of a probability that the demand is above a threshold: what the probability becomes with more noise,
+    /// as much as changes the scale of the demand by its bias where it is as large as the threshold. With noise amplified by `s` the
+    /// scale grows as `s^a`: `a` is 1 for a linear system, whose probabilities are normal, and 1/2 where a cubic force prevails.
+    pub(crate) fn add_to_probability(&self, threshold: f64, observed: &mut Observed) {
+        let Some(error) = observed.error else { return };
+        // Where no path is above the threshold, its bound has the bias.
+        let probability = if observed.value > 0.0 { observed.value } else { error };
+        let of_scale = self.of_scale(observed.t, threshold);
+        let resolved = of_scale.filter(|of_scale| of_scale.relative <= MOST_BIAS);
+        observed.add_error(resolved.map(|OfScale { relative, power }| {
+            let factor = (1.0 + relative).powf(1.0 / power);
+            self.measured_as.law.change(observed.t, probability, factor)
+        }));
+        if resolved.is_none() && self.failed.is_none() {
+            let note = match of_scale {
+                Some(_) => {
+                    "the steps change the demand by over a quarter: their bias is unknown; take shorter ones"
+                }
+                None => {
+                    "no path with half the step came so far: the bias of the steps is unknown; take shorter ones"
+                }
+            };
             observed.note.get_or_insert_with(|| note.to_owned());
         }
     }
@@ -116,11 +191,14 @@ impl StepBias {
     /// The bias of the scale of the demand where it is as large as a threshold: the larger one of the amplitudes around it.
     fn of_scale(&self, t: f64, threshold: f64) -> Option<OfScale> {
         let k = self.index(t)?;
-        let relative =
-            |square: &StepDifference| Some(0.5 * self.bias(square)? / square.value.value);
+        // Over what the steps of the run give, from the difference of the squares.
+        let relative = |square: &StepDifference| {
+            let whole = square.value.value - square.difference.value;
+            Some((1.0 + self.bias(square)? / whole).sqrt() - 1.0).filter(|it| *it >= 0.0)
+        };
         let first = self.rows.get(k)?.last()?;
         let mut below = (rms(first), relative(first)?);
-        if self.is_linear || threshold <= below.0 {
+        if self.measured_as.is_linear || threshold <= below.0 {
             return Some(OfScale { relative: below.1, power: 1.0 });
         }
         for rows in &self.amplified {
@@ -146,10 +224,14 @@ impl StepBias {
     /// The bias of a mean, with the standard error of what it is measured by.
     fn bias(&self, found: &StepDifference) -> Option<f64> {
         let StepDifference { difference, .. } = found;
-        let bias = self.bias_over_difference * difference.value.hypot(difference.standard_error()?);
+        let bias = self.measured_as.bias_over_difference
+            * difference.value.hypot(difference.standard_error()?);
         bias.is_finite().then_some(bias)
     }
 }
+
+/// Relative bias of a scale above which half the step does not show it.
+const MOST_BIAS: f64 = 0.25;
 
 /// Least power of the amplitude with which a scale grows: that of a force of the ninth power.
 const LEAST_POWER: f64 = 0.2;

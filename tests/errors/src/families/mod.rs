@@ -3,6 +3,7 @@
 mod crack_inference;
 mod density_methods;
 mod estimators;
+mod first_passages;
 mod functions;
 mod linear_systems;
 mod peridyn_linear;
@@ -19,6 +20,7 @@ pub const ALL: &[Family] = &[
     scalar_systems::WELLS,
     scalar_systems::CLOSED,
     stationary_oscillators::FAMILY,
+    first_passages::FAMILY,
     smpm_responses::FAMILY,
     estimators::FAMILY,
     peridyn_linear::FAMILY,

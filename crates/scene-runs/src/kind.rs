@@ -281,13 +281,14 @@ mod tests {
 
     #[test]
     fn an_answer_outlives_a_number_that_is_not_finite_and_a_result_that_fails() {
-        let Finished { files, found, unwritten } =
+        let Finished { files, found, unwritten, null } =
             run_text("{\"solver\": \"decay\", \"rate\": 7}").unwrap();
         assert!(files.len() == 2 && unwritten.is_none());
+        assert_eq!(null.unwrap(), "`value` is inf, not a finite number");
         let warned =
             |note: &Note| matches!(note, Note::Warning(text) if text.contains("`value` is inf"));
         assert!(found.unwrap().notes.iter().any(warned));
-        let Finished { files, found, unwritten } =
+        let Finished { files, found, unwritten, .. } =
             run_text("{\"solver\": \"decay\", \"rate\": 8}").unwrap();
         assert!(files.is_empty() && matches!(unwritten, Some(RunError::Solver(_))));
         assert!((found.unwrap().answers.list[0].last.number.value - (-8f64).exp()).abs() < 1e-15);

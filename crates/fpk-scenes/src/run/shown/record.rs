@@ -244,6 +244,7 @@ pub(in crate::run) fn series(
             let mut values = both.values(|row| pick(&row.exceedances[k]));
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
+                let by_runs = observed.error.unwrap_or_default();
                 observed.raise_error(shared(row).of_probability(observed.value));
                 observed.add_error(Some(row.exceedances[k].offset));
                 if by == Probability::Cell {
@@ -251,14 +252,16 @@ pub(in crate::run) fn series(
                     // What the cells leave out, near their rim and in folded ones.
                     observed.add_error(row.cell_mass.map(|mass| 1.0 - mass));
                     observed.note.clone_from(&row.exceedances[k].note);
-                    // `Probability::Below`: a difference of runs says nothing of what no particle carries.
+                    // `Probability::Below`: a small difference of runs says nothing of what no particle carries.
                     // A remeshed cloud ends where it has no mass to speak of, whatever the first lattice left outside.
-                    // So does one whose particles violate the moment equations.
-                    let is_unseen = row.is_remeshed || row.violation > VIOLATION_OF_BOUND;
-                    if observed.value == 0.0 && is_unseen {
+                    // So does one whose particles violate the moment equations, and then no small probability is known.
+                    let is_violated = row.violation > VIOLATION_OF_BOUND;
+                    let is_below = observed.value <= row.mass_outside;
+                    if (observed.value == 0.0 && row.is_remeshed) || (is_below && is_violated) {
                         observed.lose_error(NO_CELL_BEYOND);
-                    } else if observed.value <= row.mass_outside {
-                        observed.bounded_by(row.mass_outside);
+                    } else if is_below {
+                        // A larger difference says that the particles are not where they should be.
+                        observed.bounded_by(row.mass_outside.max(by_runs));
                     }
                 } else {
                     // Counts of masses end with the cloud; the fits of the cells go on beyond it.

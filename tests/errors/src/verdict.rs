@@ -82,7 +82,9 @@ fn compared(truths: &[Truth], answers: &Answers) -> Vec<Verdict> {
             (window, time) => window.is_none() && time.is_none(),
         };
         let value = values.into_iter().find(|value| is_at(value.window))?;
-        let is_warned = value.remark.is_some();
+        // How an error is known is no warning.
+        let how = value.number.error_kind.words();
+        let is_warned = value.remark.as_deref().is_some_and(|remark| remark != how);
         Some(Verdict { truth: truth.clone(), number: value.number, is_warned })
     };
     truths.iter().filter_map(of).collect()

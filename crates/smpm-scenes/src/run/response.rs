@@ -109,7 +109,7 @@ impl Response {
             };
         }
         if self.mean_error.is_some() {
-            return "twice what the series leaves of check runs".to_owned();
+            return ErrorOrigin::CheckRuns.words().to_owned();
         }
         if let (Some(n), Some(_)) = (self.n_followed, self.mean_standard_error) {
             let most = short(Some(RULE_OF_THREE / n as f64));

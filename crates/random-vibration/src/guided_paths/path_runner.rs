@@ -158,11 +158,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_set_has_at_most_a_thousand_blocks_which_hold_all_its_paths() {
+    fn a_set_has_a_thousand_blocks_before_they_grow_and_none_is_longer_than_the_longest() {
         let (unit, most) = BLOCK;
-        for n in [1, 2, 511, 512, 513, 20_000, unit * most, unit * most + 1, 1 << 62] {
+        for n in [1, 2, 511, 512, 513, 20_000, unit * most, unit * most + 1, 1 << 25, 1 << 30] {
             let (blocks, length) = (n_blocks(n), block_length(n));
-            assert!(blocks <= most && length % unit == 0, "{n}: {blocks} of {length}");
+            assert!(length % unit == 0 && length <= LONGEST, "{n}: {blocks} of {length}");
+            assert!(blocks <= most || length == LONGEST, "{n}: {blocks} of {length}");
             assert!((blocks - 1) * length < n && n <= blocks * length, "{n}: {blocks} of {length}");
             assert_eq!(block_lengths(n).sum::<u64>(), n);
         }

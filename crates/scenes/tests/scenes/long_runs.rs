@@ -93,13 +93,21 @@ fn methods_of_which_nothing_is_kept_are_refused_and_begin_again() {
         "{ 'conservative_grid': { 'cells': 64, 'reach': 6, 'steps_per_period': 40 } }",
         "{ 'statistical_linearisation': { 'step': 0.001 } }",
     ] {
-        refused_and_resumed(&changed(
+        let folder = Folder(tempfile::tempdir().unwrap());
+        let scene = changed(
             DENSITY,
             &[
                 ("{ 'flow_map_fit': { 'spacing': 0.5, 'reach': 4 } }", method),
                 (",\n  'planes': { 'states': [['q', 'v']], 'times': [0.1, 0.5] }", ""),
             ],
-        ));
+        );
+        let refused = folder.run(&scene, "out", &NEXT_TO_NOTHING);
+        assert_eq!(refused.status.code(), Some(1), "{refused:?}");
+        let words = String::from_utf8(refused.stderr).unwrap();
+        assert!(words.contains("so the rest takes about") && words.contains("--yes"), "{words}");
+        assert!(!folder.join("out/result.json").exists());
+        let ran = folder.run(&scene, "out", &["--yes"]);
+        assert!(ran.status.success(), "{ran:?}");
     }
 }
 

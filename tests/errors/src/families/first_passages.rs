@@ -1,10 +1,11 @@
 //! First passages of the drifts of linear shear buildings, by importance sampling over their elementary events.
 
 use fpk_scenes::building::scene::{BetweenScene, PassageScene};
-use fpk_scenes::building::{DampingScene, SoilScene};
+use fpk_scenes::building::{DampingScene, HysteresisScene, SoilScene};
 use nalgebra::{DMatrix, DVector};
 use sde_integrators::{Noise, Purpose, Stream, normal_probability, normal_quantile};
 use serde_json::{Value, json};
+use vibrating_systems::Window;
 
 use super::linear_systems::built;
 use crate::draw::{Draw, rounded};
@@ -18,7 +19,7 @@ pub(super) const FAMILY: Family = Family {
     draw,
     truths: |scene| {
         let scene = serde_json::from_value(scene.clone()).ok();
-        scene.filter(|it: &PassageScene| it.solver == "random-vibration").map(|it| truths(&it))
+        scene.filter(|it: &PassageScene| it.solver == "random-vibration").and_then(|it| truths(&it))
     },
     judge: of_scene,
 };
@@ -73,7 +74,7 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     if draw.chance(0.25) {
         scene["response"]["between"] = json!("endpoints");
     }
-    let largest = Chain::new(&built(&scene)).largest_deviation();
+    let largest = Chain::new(&built(&scene)).map_or(1.0, |chain| chain.largest_deviation());
     let multiples = if hostile {
         [draw.between(0.5, 2.0), draw.between(3.0, 6.0)]
     } else {
@@ -83,8 +84,9 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     (scene, name)
 }
 
-fn truths(scene: &PassageScene) -> Vec<Truth> {
-    let chain = Chain::new(scene);
+/// The passages that a scene asks for; none of a scene whose equations this family does not write.
+fn truths(scene: &PassageScene) -> Option<Vec<Truth>> {
+    let chain = Chain::new(scene)?;
     let mut truths = Vec::new();
     for (k, &time) in scene.times.list().iter().enumerate() {
         for &threshold in &scene.thresholds {
@@ -97,7 +99,7 @@ fn truths(scene: &PassageScene) -> Vec<Truth> {
             });
         }
     }
-    truths
+    Some(truths)
 }
 
 /// A linear system at equal times: `x_(k+1) = F x_k + w_k` from rest, with `cov w_k = Q`.
@@ -116,8 +118,8 @@ struct Chain {
 }
 
 impl Chain {
-    fn new(scene: &PassageScene) -> Self {
-        let (rates, load) = equations(scene);
+    fn new(scene: &PassageScene) -> Option<Self> {
+        let (rates, load) = equations(scene)?;
         let d = rates.nrows();
         let largest =
             rates.clone().complex_eigenvalues().iter().map(|it| it.norm()).fold(0.0, f64::max);
@@ -162,7 +164,7 @@ impl Chain {
         let drifts = scene.response.storey.map_or(0..n_storeys, |it| it - 1..it).collect();
         // A largest drift between two times is higher than at the nearer one by `(omega h)^2/24` of it on average.
         let unseen = if is_at_ends { 0.0 } else { (largest * h).powi(2) / 24.0 };
-        Self { transition, root, covariances, drifts, each, unseen }
+        Some(Self { transition, root, covariances, drifts, each, unseen })
     }
 
     fn deviation(&self, k: usize, drift: usize) -> f64 {
@@ -249,18 +251,22 @@ impl Chain {
     }
 }
 
-/// `x' = A x + b W` of a linear building with unit white noise `W`: drifts, their rates, and the states of the soil.
-fn equations(scene: &PassageScene) -> (DMatrix<f64>, DVector<f64>) {
+/// `x' = A x + b W` of a linear building with unit white noise `W`: drifts, their rates, and the states of the soil. None of a building
+/// that yields or has Rayleigh's damping, of noise that varies in time, and of another filter.
+fn equations(scene: &PassageScene) -> Option<(DMatrix<f64>, DVector<f64>)> {
     let building = &scene.building;
     let n = building.mass.len();
-    let DampingScene::Storeys(damping) = &building.damping else {
-        return (DMatrix::zeros(1, 1), DVector::zeros(1));
+    let (DampingScene::Storeys(damping), HysteresisScene::None, Window::Stationary) =
+        (&building.damping, &building.hysteresis, &scene.ground.window)
+    else {
+        return None;
     };
     let soil = match scene.ground.soil {
         SoilScene::KanaiTajimi { ground_frequency, ground_damping } => {
             Some((ground_frequency, ground_damping))
         }
-        _ => None,
+        SoilScene::None => None,
+        SoilScene::CloughPenzien { .. } => return None,
     };
     let d = 2 * n + if soil.is_some() { 2 } else { 0 };
     let (mut a, mut b) = (DMatrix::zeros(d, d), DVector::zeros(d));
@@ -292,5 +298,5 @@ fn equations(scene: &PassageScene) -> (DMatrix<f64>, DVector<f64>) {
             b[2 * n + 1] = intensity;
         }
     }
-    (a, b)
+    Some((a, b))
 }

@@ -6,6 +6,8 @@ use scene_runs::clock::CpuClock;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
+use crate::kinks::stops_before;
+
 /// Requested results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requested<const D: usize = 2> {
@@ -376,21 +378,6 @@ where
         }
     }
     simulation.advance_while(end, goes_on)
-}
-
-/// Kinks between two observations at which a step ends: those farther from both, and from each other, than a millionth of the time
-/// between them, by which a multistep scheme would divide.
-pub(crate) fn stops_before(kinks: &[f64], start: f64, end: f64) -> Vec<f64> {
-    const LEAST_PART: f64 = 1e-6;
-    let (least, mut last) = (LEAST_PART * (end - start), start);
-    let mut stops = Vec::new();
-    for &kink in kinks {
-        if kink - last > least && end - kink > least {
-            stops.push(kink);
-            last = kink;
-        }
-    }
-    stops
 }
 
 fn observe<S: Sde<D, M>, const D: usize, const M: usize>(

@@ -3,6 +3,7 @@
 pub mod building;
 pub mod density;
 mod keys;
+mod kinks;
 pub mod monte_carlo;
 pub mod paths;
 pub mod plane_density;

@@ -384,7 +384,7 @@ const MOST_HALVINGS: u32 = 12;
 pub(crate) const FAR: f64 = 7.5;
 /// Nodes on either side of zero.
 const HALF_NODES: usize = 16;
-/// Nodes of an expectation. About 1e7 are evaluated in a second (measured on 2026-11-27), four times this in each step.
+/// Nodes of an expectation, of which each step has four. 885,000 nodes for 1,600 expectations had not ended after 150 s (2026-11-27).
 const MOST_NODES: f64 = 3e5;
 
 /// Nodes and weights over `[0, 1]`: the Gauss-Legendre rule with `y = u^2`, which is accurate for a root at zero.

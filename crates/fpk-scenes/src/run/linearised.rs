@@ -67,7 +67,7 @@ impl Linearised<'_> {
             let mut goes_on = |t: f64| pace.goes_on(t / until);
             let laws = rule.laws_while(system, &law, &stops, &mut goes_on);
             let laws = laws.map_err(RunError::solver)?;
-            pace.ended()?;
+            RunError::if_ended_early(&pace)?;
             let is_asked = |law: &GaussianLaw<D>| asked.times.contains(&law.t);
             Ok(laws.into_iter().filter(is_asked).collect::<Vec<_>>())
         };

@@ -12,7 +12,8 @@ use super::observed::{Observed, Refinement};
 use super::record::{Content, SharedError, WorkRecord, asked_series, at, order, progress_words};
 use super::resolution_error::{Orders, StepsOfInterval};
 use super::step_runs::kinks_of_steps;
-use crate::density::{Requested, stops_before};
+use crate::density::Requested;
+use crate::kinks::stops_before;
 use crate::scene::{FpkScene, OtherDimension};
 use crate::system::System;
 
@@ -55,7 +56,7 @@ impl GridRuns<'_> {
     fn follow(&self, config: &GridConfig) -> Result<(Vec<Row>, u64), RunError> {
         let pace = self.run.pace("conservative grid");
         let found = self.followed_while(config, &mut |done| pace.goes_on(done));
-        pace.ended()?;
+        RunError::if_ended_early(&pace)?;
         found.map_err(RunError::Solver)
     }
 

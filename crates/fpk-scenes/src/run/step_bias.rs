@@ -35,7 +35,7 @@ pub(crate) struct StepBias {
     times: Vec<f64>,
 }
 
-/// What pairs of paths show of a sampling.
+/// How the bias of a sampling follows from pairs of paths, and what it changes of a probability.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MeasuredAs {
     /// Whether the bias of a scale is the same for all thresholds.
@@ -162,9 +162,10 @@ impl StepBias {
         observed.add_error(bias);
     }
 
-    /// Adds the bias to the error of a probability that the demand is above a threshold: what the probability becomes with more noise,
-    /// as much as changes the scale of the demand by its bias where it is as large as the threshold. With noise amplified by `s` the
-    /// scale grows as `s^a`: `a` is 1 for a linear system, whose probabilities are normal, and 1/2 where a cubic force prevails.
+    /// Adds the bias to the error of a probability that the demand is above a threshold: the change of the probability under more noise,
+    /// by which the scale of the demand grows as much as it is biased. The bias is that of a demand as large as the threshold. With noise
+    /// amplified by `s` the scale grows as `s^a`: `a` is 1 for a linear system, whose probabilities are normal, and 1/2 where a cubic
+    /// force prevails.
     pub(crate) fn add_to_probability(&self, threshold: f64, observed: &mut Observed) {
         let Some(error) = observed.error else { return };
         // Where no path is above the threshold, its bound has the bias.

@@ -3,7 +3,6 @@
 use fpk_sph::Scheme;
 
 use super::*;
-use crate::density::stops_before;
 
 const SCENE: &str = include_str!("../../../../tests/scenes/fpk/viscous_damper.json");
 const BOUC_WEN: &str = include_str!("../../../../tests/scenes/fpk/bouc_wen.json");
@@ -261,8 +260,6 @@ fn steps_end_at_the_kinks_of_a_window_unless_a_table_is_finer_than_they_are() {
     let paper = "\"canor_denoel_2013\": { \"count\": [50, 33], \"half_width\": [0.6, 0.4], \"courant\": 0.8, \
                  \"support_over_spacing\": 2.5 }";
     assert_eq!(of(&parse(SCENE.replacen(FIT, paper, 1))), (true, vec![]));
-    let stops = stops_before(&[1.0, 2.0, 2.000000001, 2.9999999999, 4.0], 1.0, 3.0);
-    assert_eq!(stops, [2.0]);
 }
 
 #[test]

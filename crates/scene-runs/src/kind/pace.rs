@@ -4,7 +4,6 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::progress::Progress;
-use super::run_error::RunError;
 use crate::interrupt;
 
 /// Time after which the duration of a part is estimated.
@@ -90,17 +89,6 @@ impl Pace<'_> {
     /// Takes note of the fraction of a part without checkpoints that is done: false where it may not go on, or a signal has come.
     pub fn goes_on(&self, done: f64) -> bool {
         !interrupt::is_requested() && self.at(done).is_ok()
-    }
-
-    /// Why a part without checkpoints has ended early, if it has.
-    ///
-    /// # Errors
-    /// [`RunError::Interrupted`], [`RunError::TooLong`].
-    pub fn ended(&self) -> Result<(), RunError> {
-        if interrupt::is_requested() {
-            return Err(RunError::Interrupted);
-        }
-        Ok(self.allowed()?)
     }
 
     fn at_time(&self, done: f64, now: Instant) -> Result<(), TooLong> {

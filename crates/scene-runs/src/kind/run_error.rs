@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use mpi_ensembles::JobError;
 use result_figures::finite::JsonError;
 
-use super::pace::TooLong;
+use super::pace::{Pace, TooLong};
 use super::part::ShardsError;
 use crate::checkpoint::CheckpointError;
+use crate::interrupt;
 use crate::output::OutputError;
 use crate::scene::SceneError;
 
@@ -104,6 +105,17 @@ pub enum RunError {
 }
 
 impl RunError {
+    /// Refuses a part without checkpoints that has ended early, by a signal or by its pace.
+    ///
+    /// # Errors
+    /// [`RunError::Interrupted`], [`RunError::TooLong`].
+    pub fn if_ended_early(pace: &Pace<'_>) -> Result<(), Self> {
+        if interrupt::is_requested() {
+            return Err(Self::Interrupted);
+        }
+        Ok(pace.allowed()?)
+    }
+
     /// Converts any error of a page.
     pub fn page(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Page(Box::new(error))

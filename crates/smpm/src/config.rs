@@ -3,7 +3,7 @@
 use constitutive_models::{finite, not_negative, positive, within};
 
 use crate::error::Error;
-use crate::grid::boundary::Boundary;
+use crate::grid::boundary::{Boundary, BoundaryKind, Side};
 use crate::transfer::shape::Shape;
 
 /// How velocities go from nodes to particles.
@@ -20,7 +20,8 @@ pub enum Transfer {
 pub enum Geometry {
     /// Cartesian: uniaxial strain in one dimension, plane strain in two.
     Cartesian,
-    /// Two dimensions only: the first axis is the radius, the second the axis of symmetry. Masses are per radian.
+    /// Two dimensions only: the first axis is the radius, the second the axis of symmetry. Masses are per radian. The axis is a plane
+    /// of symmetry by itself, and so a row of nodes: the origin lies a whole number of cells from it.
     Axisymmetric,
 }
 
@@ -139,6 +140,20 @@ impl<const D: usize> Config<D> {
             from = time;
         }
         Ok(())
+    }
+
+    /// The same with the boundary that the axis of symmetry is.
+    pub(crate) fn with_axis(mut self) -> Result<Self, Error> {
+        if self.geometry == Geometry::Axisymmetric {
+            let (side, kind) = (Side::Above, BoundaryKind::Symmetry);
+            let is_axis = |of: &&Boundary| of.axis == 0 && of.position == 0.0 && of.side == side;
+            match self.boundaries.iter().find(is_axis).map(|of| of.kind) {
+                None => self.boundaries.push(Boundary { axis: 0, position: 0.0, side, kind }),
+                Some(BoundaryKind::Symmetry) => {}
+                Some(_) => return Err(Error::AxisIsNoBoundary),
+            }
+        }
+        Ok(self)
     }
 
     /// Refuses numbers outside their range.

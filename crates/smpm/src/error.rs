@@ -1,6 +1,22 @@
 //! What can go wrong, with the value and its limit.
 
+use std::fmt::{Display, Formatter};
+
 use constitutive_models::{Error as ParameterError, Fault};
+
+/// A number in words, counted from one, as axes and bodies are in scenes: "first" for 0.
+struct Nth(usize);
+
+impl Display for Nth {
+    fn fmt(&self, to: &mut Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            0 => to.write_str("first"),
+            1 => to.write_str("second"),
+            2 => to.write_str("third"),
+            more => write!(to, "{}th", more + 1),
+        }
+    }
+}
 
 /// Why a simulation could not be set up, go on, or be observed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -105,7 +121,8 @@ pub enum Error {
     },
     /// A boundary that is no plane of nodes.
     #[error(
-        "a boundary normal to axis {axis} is at {value}; it must be a whole number of cells of {cell} from the origin"
+        "a boundary normal to the {} axis is at {value}; it must be a whole number of cells of {cell} from the origin",
+        Nth(*.axis)
     )]
     NotOnGrid {
         /// The axis.
@@ -115,9 +132,26 @@ pub enum Error {
         /// The edge of a cell.
         cell: f64,
     },
+    /// Two boundaries that ask for different things.
+    #[error(
+        "two boundaries normal to the {} axis at {value} act on the bodies of one side; one plane can do one thing",
+        Nth(*.axis)
+    )]
+    BoundariesContradict {
+        /// The axis.
+        axis: usize,
+        /// Their position.
+        value: f64,
+    },
+    /// The axis of symmetry is a plane of symmetry.
+    #[error(
+        "axisymmetric, with a boundary at the radius 0 that is no plane of symmetry; leave it out: the axis is one by itself"
+    )]
+    AxisIsNoBoundary,
     /// Two boundaries leave too little room.
     #[error(
-        "boundaries normal to axis {axis} are {cells} cells apart; they must be at least {limit}"
+        "boundaries normal to the {} axis are {cells} cells apart; they must be at least {limit}",
+        Nth(*.axis)
     )]
     BoundariesTooClose {
         /// The axis.
@@ -129,7 +163,8 @@ pub enum Error {
     },
     /// A particle starts beyond a boundary, or where axisymmetric at a radius that is not above zero.
     #[error(
-        "body {body}, particle {particle}: component {axis} of its position is {value}; it must be on the bodies' side of {limit}"
+        "{} body, particle {particle}: the {} component of its position is {value}; it must be on the bodies' side of {limit}",
+        Nth(*.body), Nth(*.axis)
     )]
     BeyondBoundary {
         /// Which body, from 0.
@@ -195,7 +230,8 @@ pub enum Error {
     },
     /// A gauge that no particle is near.
     #[error(
-        "gauge {name:?} is {distance} away from the nearest particle of body {body}; it must be inside the body, at most {limit}"
+        "gauge {name:?} is {distance} away from the nearest particle of the {} body; it must be inside the body, at most {limit}",
+        Nth(*.body)
     )]
     GaugeOutsideBody {
         /// The gauge.
@@ -209,7 +245,8 @@ pub enum Error {
     },
     /// A gauge whose region holds no particle.
     #[error(
-        "gauge {name:?} holds no particle of body {body} at the start; its region must lie inside the body"
+        "gauge {name:?} holds no particle of the {} body at the start; its region must lie inside the body",
+        Nth(*.body)
     )]
     EmptyGauge {
         /// The gauge.
@@ -288,7 +325,7 @@ pub enum Error {
         expected: u64,
     },
     /// A material was driven out of its range.
-    #[error("step {step}, t = {time}, body {body}, particle {particle}: {fault}")]
+    #[error("step {step}, t = {time}, {} body, particle {particle}: {fault}", Nth(*.body))]
     Material {
         /// Number of the step, from 1.
         step: u64,
@@ -303,7 +340,8 @@ pub enum Error {
     },
     /// The step asked for exceeds what the wave speed allows.
     #[error(
-        "step {step}, t = {time}: dt = {dt} exceeds {limit}, at which body {body}, particle {particle} would cross a cell"
+        "step {step}, t = {time}: dt = {dt} exceeds {limit}, at which particle {particle} of the {} body would cross a cell",
+        Nth(*.body)
     )]
     Courant {
         /// Number of the step, from 1.
@@ -336,7 +374,7 @@ pub enum Error {
         factor: f64,
     },
     /// A material does not say what its states are made of.
-    #[error("body {body}: its material does not say what its states are made of")]
+    #[error("{} body: its material does not say what its states are made of", Nth(*.body))]
     MaterialNotStored {
         /// Which body, from 0.
         body: usize,

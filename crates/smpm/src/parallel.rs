@@ -1,35 +1,62 @@
 //! Work whose every output bit is the same for any number of threads: each entry is written once, from data that nobody
 //! writes, and sums have a shape that lengths alone decide. Nothing here allocates but the results of [`map_in_order`].
 //!
+//! A step runs in the pool of threads as a whole: started outside, each of its passes would wait for another thread to wake. With few
+//! particles it stays on the thread that asks for it.
+//!
 //! Work is behind `dyn`: what hands it to threads is compiled once, not for every closure.
 
 /// Pieces of the work for each thread: enough that none waits long for another.
 #[cfg(feature = "rayon")]
 const PIECES: usize = 16;
 
+/// Particles up to which a step offers no work to other threads: its passes take as long as waking one.
+#[cfg(feature = "rayon")]
+const FEW: usize = 1024;
+
+#[cfg(feature = "rayon")]
+thread_local! {
+    /// Whether this thread is in a step of few particles.
+    static ALONE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
+}
+
+/// Runs a step of so many particles: in the pool of threads, or with few particles on this one.
+pub(crate) fn in_pool<R: Send>(n_particles: usize, step: impl FnOnce() -> R + Send) -> R {
+    #[cfg(feature = "rayon")]
+    if n_particles > FEW {
+        return if rayon::current_thread_index().is_none() {
+            rayon::scope(|_| step())
+        } else {
+            step()
+        };
+    }
+    #[cfg(feature = "rayon")]
+    ALONE.set(true);
+    let _ = n_particles;
+    let result = step();
+    #[cfg(feature = "rayon")]
+    ALONE.set(false);
+    result
+}
+
 /// Runs both, at once where there are threads.
 pub(crate) fn join(a: &mut (dyn FnMut() + Send), b: &mut (dyn FnMut() + Send)) {
     #[cfg(feature = "rayon")]
-    {
+    if !ALONE.get() {
         rayon::join(a, b);
+        return;
     }
-    #[cfg(not(feature = "rayon"))]
-    {
-        a();
-        b();
-    }
+    a();
+    b();
 }
 
 /// How many of `n` chunks one thread works on without offering any to another.
 fn piece_of(n: usize) -> usize {
     #[cfg(feature = "rayon")]
-    {
-        n.div_ceil(PIECES * rayon::current_num_threads())
+    if !ALONE.get() {
+        return n.div_ceil(PIECES * rayon::current_num_threads());
     }
-    #[cfg(not(feature = "rayon"))]
-    {
-        n
-    }
+    n
 }
 
 /// `work(k, chunk k)` for every run of `length` entries, which is much work.

@@ -9,6 +9,7 @@ use crate::grid::boundary::{Plane, Side};
 use crate::grid::surfaces::sum_surfaces;
 use crate::grid::tile_size::MOST_NODES;
 use crate::number::{CarriedNumber, is_plain};
+use crate::parallel::in_pool;
 use crate::points::body::Body;
 use crate::points::particle_pass::ParticlePass;
 use crate::points::particles::Particles;
@@ -83,10 +84,12 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// Checks everything once.
     ///
     /// # Errors
-    /// A parameter outside its range, by name; [`Error::NoBody`]; [`Error::NotOnGrid`], [`Error::BoundariesTooClose`];
+    /// A parameter outside its range, by name; [`Error::NoBody`]; [`Error::NotOnGrid`], [`Error::BoundariesContradict`],
+    /// [`Error::AxisIsNoBoundary`], [`Error::BoundariesTooClose`];
     /// [`Error::BeyondBoundary`] for a particle that starts there.
     pub fn new(config: Config<D>, bodies: Vec<Body<S, D>>) -> Result<Self, Error> {
         config.check()?;
+        let config = config.with_axis()?;
         if bodies.is_empty() {
             return Err(Error::NoBody);
         }
@@ -95,6 +98,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
             .iter()
             .map(|boundary| boundary.plane(D, &config.origin, config.cell))
             .collect::<Result<_, _>>()?;
+        check_agreement(&config, &planes)?;
         check_room(&planes)?;
         let mut bodies = bodies;
         for (number, body) in bodies.iter_mut().enumerate() {
@@ -220,14 +224,20 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
             return Err(error.clone());
         }
         #[cfg(not(test))]
-        let outcome = if const { D <= 3 } { compiled_step(self, dt) } else { self.try_step(dt) };
+        let outcome =
+            if const { D <= 3 } { compiled_step(self, dt) } else { self.step_in_pool(dt) };
         // The unit tests run no step.
         #[cfg(test)]
-        let outcome = self.try_step(dt);
+        let outcome = self.step_in_pool(dt);
         if let Err(error) = &outcome {
             self.failed = Some(error.clone());
         }
         outcome
+    }
+
+    fn step_in_pool(&mut self, dt: f64) -> Result<StepReport, Error> {
+        let n_particles = self.bodies.iter().map(Body::n_particles).sum();
+        in_pool(n_particles, || self.try_step(dt))
     }
 
     /// What [`step_of`](Self::step_of) does while nothing has failed.
@@ -381,7 +391,7 @@ pub(crate) fn compiled_step(
         ($($number:ty, $dimension:literal);+) => {
             $(
                 if let Some(simulation) = simulation.downcast_mut::<Simulation<$number, $dimension>>() {
-                    return simulation.try_step(dt);
+                    return simulation.step_in_pool(dt);
                 }
             )+
         };
@@ -439,6 +449,18 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         self.set_clock(clock);
         Ok(())
     }
+}
+
+/// A plane does one thing to the bodies of one side.
+fn check_agreement<const D: usize>(config: &Config<D>, planes: &[Plane]) -> Result<(), Error> {
+    let place = |plane: &Plane| (plane.axis, plane.node, plane.side);
+    for (i, one) in planes.iter().enumerate() {
+        if planes[..i].iter().any(|other| place(other) == place(one) && other.kind != one.kind) {
+            let value = config.boundaries[i].position;
+            return Err(Error::BoundariesContradict { axis: one.axis, value });
+        }
+    }
+    Ok(())
 }
 
 /// Mirrors that face each other must not see each other's images.

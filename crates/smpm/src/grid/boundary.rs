@@ -53,7 +53,7 @@ pub(crate) struct Plane {
     pub(crate) axis: usize,
     pub(crate) node: i32,
     pub(crate) side: Side,
-    kind: BoundaryKind,
+    pub(crate) kind: BoundaryKind,
 }
 
 impl Boundary {

@@ -13,10 +13,11 @@ use simd_lanes::{Lanes, Registers, SimdLevel, Work};
 use crate::grid::background::Grid;
 use crate::grid::lattice::Lattice;
 use crate::grid::node::Node;
-use crate::grid::tile_size::block_edge;
+use crate::grid::tile_size::{MOST_NODES, block_edge};
 use crate::points::particles::Chunk;
 use crate::transfer::group::{
-    Group, GroupAxis, LANES, PAIR, components, group_outer, lanes_of, of_groups, parts,
+    Group, GroupAxis, LANES, PAIR, components, group_outer, hoop_weights, lanes_of, of_groups,
+    parts,
 };
 use crate::transfer::particle_motion::{GridToParticle, Pass};
 use crate::transfer::shape::{Shape, nodes_along};
@@ -31,6 +32,8 @@ struct GroupSums<V, const D: usize> {
     change: [V; D],
     gradient: [[V; D]; D],
     moment: [[V; D]; D],
+    /// `sum_i v_r (N_i + c N_i'')`.
+    around: V,
 }
 
 /// Which of the sums a pass needs.
@@ -39,6 +42,7 @@ struct Wanted {
     change: bool,
     gradient: bool,
     moment: bool,
+    around: bool,
 }
 
 /// A chunk of particles, at least [`LANES`] of them.
@@ -77,7 +81,13 @@ impl<const D: usize, const NODES: usize> Work<f64> for ChunkInLanes<'_, '_, D, N
         match (transfer.pass, transfer.affine) {
             (Pass::Velocity, false) => self.groups(registers, &of(Pass::Velocity, false)),
             (Pass::Velocity, true) => self.groups(registers, &of(Pass::Velocity, true)),
-            (Pass::StressAndMove, _) => self.groups(registers, &of(Pass::StressAndMove, false)),
+            (Pass::StressAndMove, _) if D == 2 && transfer.axisymmetric => {
+                self.groups(registers, &of(Pass::StressAndMove, false));
+            }
+            (Pass::StressAndMove, _) => {
+                let plain = GridToParticle { axisymmetric: false, ..transfer };
+                self.groups(registers, &GridToParticle { affine: false, ..plain });
+            }
         }
     }
 }
@@ -113,7 +123,13 @@ impl<const D: usize, const NODES: usize> ChunkInLanes<'_, '_, D, NODES> {
                 for b in 1..R::N / LANES {
                     nodes[b] = grid.from(chunk.node[groups[b].particle()]);
                 }
-                let sums = transfer.sum_groups::<R, NODES>(registers, &axes, &nodes);
+                let mut around = axes[0].value;
+                if transfer.wanted().around {
+                    let place = transfer.lattice.group_radii(registers, x[0], (groups, chunk.base));
+                    let curvature = transfer.hoop_curvature;
+                    around = hoop_weights::<_, NODES>(&axes[0], place, curvature);
+                }
+                let sums = transfer.sum_groups::<R, NODES>(registers, (&axes, &around), &nodes);
                 transfer.apply_to_groups(registers, chunk, (groups, &x), &sums, gradients);
             }
         }
@@ -156,17 +172,24 @@ struct RowSums<V, const D: usize> {
     change: [V; D],
     steep: [V; D],
     moment: [V; D],
+    around: V,
 }
 
 #[inline(always)]
 fn sum_row<R: Registers<f64>, const NODES: usize, const D: usize>(
     registers: R,
-    axis: &GroupAxis<R::Vector>,
+    (axis, around): (&GroupAxis<R::Vector>, &[R::Vector; MOST_NODES]),
     rows: [&[Node<f64, D>]; PAIR],
     wanted: Wanted,
 ) -> RowSums<R::Vector, D> {
     let nothing = [registers.splat(-0.0); D];
-    let mut sums = RowSums { velocity: nothing, change: nothing, steep: nothing, moment: nothing };
+    let mut sums = RowSums {
+        velocity: nothing,
+        change: nothing,
+        steep: nothing,
+        moment: nothing,
+        around: nothing[0],
+    };
     for i in 0..NODES {
         let (value, slope) = (axis.value[i], axis.slope[i]);
         let (velocity, change) = node_of_groups(registers, [&rows[0][i], &rows[1][i]]);
@@ -184,6 +207,9 @@ fn sum_row<R: Registers<f64>, const NODES: usize, const D: usize>(
                 sums.change[c] = sums.change[c] + change[c] * value;
             }
         }
+        if wanted.around {
+            sums.around = sums.around + velocity[0] * around[i];
+        }
     }
     sums
 }
@@ -198,6 +224,9 @@ impl<V: Lanes<Number = f64>, const D: usize> GroupSums<V, D> {
         (j, k): (usize, usize),
         wanted: Wanted,
     ) {
+        if wanted.around {
+            self.around = self.around + row.around * n;
+        }
         for c in 0..D {
             let here = row.velocity[c] * n;
             self.velocity[c] = self.velocity[c] + here;
@@ -232,6 +261,7 @@ impl<const D: usize> GridToParticle<D> {
             change: is_velocity && !self.affine,
             gradient: !is_velocity,
             moment: is_velocity && self.affine,
+            around: D == 2 && !is_velocity && self.axisymmetric,
         }
     }
 
@@ -240,7 +270,7 @@ impl<const D: usize> GridToParticle<D> {
     fn sum_groups<R: Registers<f64>, const NODES: usize>(
         &self,
         registers: R,
-        axes: &[GroupAxis<R::Vector>; D],
+        (axes, around): (&[GroupAxis<R::Vector>; D], &[R::Vector; MOST_NODES]),
         nodes: &[&[Node<f64, D>]; PAIR],
     ) -> GroupSums<R::Vector, D> {
         let (edge, wanted) = (block_edge(D), self.wanted());
@@ -251,13 +281,14 @@ impl<const D: usize> GridToParticle<D> {
             change: nothing,
             gradient: [nothing; D],
             moment: [nothing; D],
+            around: nothing[0],
         };
         for k in 0..nodes_along::<NODES, D>(2) {
             for j in 0..nodes_along::<NODES, D>(1) {
                 let (n, grad_n) = group_outer(axes, (j, k));
                 let start = (k * edge + j) * edge;
                 let rows = [&nodes[0][start..start + NODES], &nodes[1][start..start + NODES]];
-                let row = sum_row::<R, NODES, D>(registers, &axes[0], rows, wanted);
+                let row = sum_row::<R, NODES, D>(registers, (&axes[0], around), rows, wanted);
                 sums.add_row(&row, (n, &grad_n), (j, k), wanted);
             }
         }
@@ -296,7 +327,7 @@ impl<const D: usize> GridToParticle<D> {
         set_vectors(registers, groups, (&moved, &before), chunk.displacement);
     }
 
-    /// `L_p = sum_i v_i grad N_i`, and the hoop `v_r/r`.
+    /// `L_p = sum_i v_i grad N_i`, and the hoop `sum_i v_r (N_i + c N_i'') / r`.
     #[inline(always)]
     fn set_gradients<R: Registers<f64>>(
         &self,
@@ -318,7 +349,7 @@ impl<const D: usize> GridToParticle<D> {
             }
         }
         if self.axisymmetric {
-            let hoop = sums.velocity[0] / x[0];
+            let hoop = sums.around / x[0];
             set_lanes(registers, groups, hoop, velocity_gradients.entries_mut(2, 2));
         }
     }

@@ -169,14 +169,22 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> GridToJet<'_, '_, S, 
     fn sum<R: Registers<f64>, const SLOPES: bool>(
         &self,
         registers: R,
-        of: (&[Node<S, D>], &TaylorWeights<NODES, D>),
+        (nodes, weights): (&[Node<S, D>], &TaylorWeights<NODES, D>),
         position: &[S; D],
         sums: &mut Sums<S, D>,
     ) {
+        let of = (nodes, weights);
+        let GridToParticle { axisymmetric, hoop_curvature, .. } = self.transfer;
+        let around = (SLOPES && axisymmetric).then(|| weights.with_curvature(hoop_curvature));
         let (with_change, with_moment) =
             (!SLOPES && !self.transfer.affine, !SLOPES && self.transfer.affine);
         for at in registers_of_directions::<S, R>() {
             let shift = Shift::load(registers, position, self.transfer.lattice.per_cell, at);
+            if let Some(around) = &around {
+                let velocity = (Entry::Velocity(0), None);
+                let moments = Self::moments(registers, (nodes, around), velocity, 0, at);
+                moments.write(registers, (0, &mut sums.around), &shift, at);
+            }
             for c in 0..D {
                 let velocity = (Entry::Velocity(c), None);
                 let moments = Self::moments(registers, of, velocity, usize::from(SLOPES), at);

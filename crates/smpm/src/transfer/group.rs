@@ -202,7 +202,43 @@ impl<V: Lanes<Number = f64>> GroupAxis<V> {
     }
 }
 
+/// `N + c N''` at the nodes along the radius, of particles at `s` (in cells) with the lowest node `lowest`, a whole number.
+#[inline(always)]
+pub(crate) fn hoop_weights<V: Lanes<Number = f64>, const NODES: usize>(
+    axis: &GroupAxis<V>,
+    (s, lowest): (V, V),
+    curvature: f64,
+) -> [V; MOST_NODES] {
+    let (one, two, three) = (s.splat(1.0), s.splat(2.0), s.splat(3.0));
+    let second = if NODES == 3 {
+        [one, s.splat(-2.0), one, s.splat(0.0)]
+    } else {
+        let f = s - (lowest + one);
+        let rest = one - f;
+        [rest, three * f - two, three * rest - two, f]
+    };
+    let mut weights = axis.value;
+    for i in 0..NODES {
+        weights[i] = weights[i] + s.splat(curvature) * second[i];
+    }
+    weights
+}
+
 impl<const D: usize> Lattice<D> {
+    /// The places of groups along the radius, in cells, and their lowest nodes.
+    #[inline(always)]
+    pub(crate) fn group_radii<R: Registers<f64>>(
+        &self,
+        registers: R,
+        radius: R::Vector,
+        (groups, bases): (&[Group], &[[i32; D]]),
+    ) -> (R::Vector, R::Vector) {
+        let s = (radius - registers.splat(self.origin[0])) * registers.splat(self.per_cell);
+        let lowest = [groups[0], groups[R::N / LANES - 1]]
+            .map(|group| f64::from(bases[group.particle()][0]));
+        (s, of_groups(registers, lowest))
+    }
+
     /// The shape function of groups of particles at `x` along all axes, from their lowest nodes `bases` on.
     #[inline(always)]
     pub(crate) fn group_axes<R: Registers<f64>, const NODES: usize>(

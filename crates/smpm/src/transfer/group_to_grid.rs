@@ -16,7 +16,8 @@ use crate::grid::tile_size::{MOST_NODES, block_edge};
 use crate::points::body::Body;
 use crate::points::conditions::Columns;
 use crate::transfer::group::{
-    Group, GroupAxis, LANES, PAIR, components, group_outer, lanes_of, numbers, of_groups, parts,
+    Group, GroupAxis, LANES, PAIR, components, group_outer, hoop_weights, lanes_of, numbers,
+    of_groups, parts,
 };
 use crate::transfer::particle_terms::{ENTRY, Given, ParticleToGrid};
 use crate::transfer::shape::{Shape, nodes_along};
@@ -31,6 +32,9 @@ struct GroupTerms<V, const D: usize> {
     growth: [[V; D]; D],
     force: [[V; D]; D],
     body_force: [V; D],
+    /// The force of the hoop, along the radius, and the weights of the nodes along it.
+    hoop: V,
+    around: [V; MOST_NODES],
 }
 
 /// Factors common to a row of nodes.
@@ -43,6 +47,8 @@ struct GroupRow<V, const D: usize> {
     along: [V; D],
     /// Force, to be multiplied by the value along the row.
     across: [V; D],
+    /// Force, to be multiplied by the weight of the hoop along the row.
+    hoop: V,
 }
 
 /// The particles of a body in a tile, and the blocks of the tile from node number `first` on.
@@ -78,10 +84,10 @@ impl<const D: usize, const NODES: usize> Work<f64> for TileInLanes<'_, D, NODES>
     /// The usual cases are compiled separately, without a test at each node.
     #[inline(always)]
     fn run<R: Registers<f64>>(mut self, registers: R) {
-        let transfer = *self.transfer;
+        let transfer = self.transfer.from_body(self.body);
         let flip =
             ParticleToGrid { affine: false, axisymmetric: false, body_force: false, ..transfer };
-        match (transfer.given, transfer.affine || transfer.body_force) {
+        match (transfer.given, transfer.affine || transfer.body_force || transfer.axisymmetric) {
             (Given::MassMomentumAndForce, false) => {
                 let all = ParticleToGrid { given: Given::MassMomentumAndForce, ..flip };
                 self.groups(registers, &all);
@@ -136,6 +142,12 @@ impl<const D: usize, const NODES: usize> TileInLanes<'_, D, NODES> {
                     (groups, &binning.bases),
                 );
                 terms[part] = transfer.group_terms(registers, &of, &x, groups);
+                if D == 2 && transfer.axisymmetric {
+                    let place =
+                        transfer.lattice.group_radii(registers, x[0], (groups, &binning.bases));
+                    terms[part].around =
+                        hoop_weights::<_, NODES>(&axes[part][0], place, transfer.hoop_curvature);
+                }
             }
             let mut first = [0; PAIR];
             for (first, group) in first.iter_mut().zip(&pair) {
@@ -256,7 +268,15 @@ impl<V: Lanes<Number = f64>, const D: usize> GroupTerms<V, D> {
     #[inline(always)]
     fn none(zero: V) -> Self {
         let (vector, matrix) = ([zero; D], [[zero; D]; D]);
-        Self { mass: zero, momentum: vector, growth: matrix, force: matrix, body_force: vector }
+        Self {
+            mass: zero,
+            momentum: vector,
+            growth: matrix,
+            force: matrix,
+            body_force: vector,
+            hoop: zero,
+            around: [zero; MOST_NODES],
+        }
     }
 }
 
@@ -304,7 +324,7 @@ impl<const D: usize> ParticleToGrid<D> {
         terms
     }
 
-    /// `-V_p sigma_p e_l` over the cell, by the axis `l` of the gradient; gravity and the hoop.
+    /// `-V_p sigma_p e_l` over the cell, by the axis `l` of the gradient; gravity and the hoop, which is `-V_p sigma_tt / r`.
     #[inline(always)]
     fn find_forces<R: Registers<f64>>(
         &self,
@@ -336,8 +356,7 @@ impl<const D: usize> ParticleToGrid<D> {
         }
         if self.axisymmetric {
             let around = numbers(registers, stress[2], groups) - viscosity;
-            let hoop = only(inside, volume * around / x[0]);
-            terms.body_force[0] = terms.body_force[0] - hoop;
+            terms.hoop = registers.splat(0.0) - only(inside, volume * around / x[0]);
         }
     }
 
@@ -365,6 +384,9 @@ impl<const D: usize> ParticleToGrid<D> {
                 if self.given == Given::MassMomentumAndForce {
                     parts[D + c] = common.along[c] * slope + common.across[c] * value;
                 }
+            }
+            if D == 2 && self.axisymmetric && self.given == Given::MassMomentumAndForce {
+                parts[D] = parts[D] + common.hoop * terms.around[i];
             }
             if D != 2 && self.given != Given::Momentum {
                 parts[2 * D] = common.mass * value;
@@ -421,6 +443,7 @@ impl<const D: usize> ParticleToGrid<D> {
             growth: zeros,
             along: zeros,
             across: zeros,
+            hoop: terms.hoop * n,
         };
         for c in 0..D {
             let mut momentum = terms.momentum[c];

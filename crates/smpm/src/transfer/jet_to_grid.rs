@@ -116,6 +116,8 @@ struct Parts<V, const D: usize> {
     /// By the axis of the slope.
     force: [[Part<V>; D]; D],
     body_force: [Part<V>; D],
+    /// Of the hoop, along the radius.
+    hoop: Part<V>,
     growth: [[Part<V>; D]; D],
 }
 
@@ -185,7 +187,7 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, N
         let mass = Part::load(registers, &of.mass[p], at);
         let none = [mass; D];
         let (mut momentum, mut force) = (none, [none; D]);
-        let (mut body_force, mut growth) = (none, [none; D]);
+        let (mut body_force, mut growth, mut hoop) = (none, [none; D], mass);
         if self.transfer.affine {
             let terms = self.transfer.affine_momentum(of, p);
             for c in 0..D {
@@ -215,13 +217,15 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, N
                 }
             }
             if self.transfer.body_force {
-                let all = self.transfer.force_on_all_nodes(of, p);
                 for c in 0..D {
-                    body_force[c] = Part::load(registers, &all[c], at);
+                    body_force[c] = mass.scaled(self.transfer.gravity[c]);
                 }
             }
+            if self.transfer.axisymmetric {
+                hoop = Part::load(registers, &self.transfer.hoop_force(of, p), at);
+            }
         }
-        Parts { momentum, mass, force, body_force, growth }
+        Parts { momentum, mass, force, body_force, hoop, growth }
     }
 
     /// Values of momentum and force at every node, in the order of operations of `f64`.
@@ -229,11 +233,11 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, N
     fn add_values<V>(
         &mut self,
         parts: &Parts<V, D>,
-        weights: &TaylorWeights<NODES, D>,
+        (weights, around): (&TaylorWeights<NODES, D>, &TaylorWeights<NODES, D>),
         node: usize,
     ) {
         let (edge, with_force) = (block_edge(D), self.with_force());
-        let ParticleToGrid { affine, body_force, given, .. } = self.transfer;
+        let ParticleToGrid { affine, body_force, axisymmetric, given, .. } = self.transfer;
         for k in 0..nodes_along::<NODES, D>(2) {
             for j in 0..nodes_along::<NODES, D>(1) {
                 let outer = &weights.outer[k * NODES + j];
@@ -266,6 +270,12 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, N
                         if with_force {
                             *row[i].force_mut()[c].value_mut() += along * slope + across * value;
                         }
+                    }
+                }
+                if with_force && axisymmetric {
+                    let hoop = parts.hoop.value * outer[0];
+                    for i in 0..NODES {
+                        *row[i].force_mut()[0].value_mut() += hoop * around.along[0][i];
                     }
                 }
                 if given != Given::Momentum {
@@ -340,6 +350,29 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, N
         }
     }
 
+    /// Derivatives of the hoop's force at every node.
+    #[inline(always)]
+    fn add_derivatives_of_hoop<R: Registers<f64>>(
+        &mut self,
+        registers: R,
+        (of, around): (&Part<R::Vector>, &TaylorWeights<NODES, D>),
+        shift: &Shift<R::Vector, D>,
+        (node, at): (usize, usize),
+    ) {
+        let nodes = &mut self.nodes[node..node + nodes_spanned::<NODES, D>()];
+        let mut hoop = Coefficients::none(registers.splat(-0.0));
+        hoop.add::<D>((of, 0), shift);
+        spread(
+            registers,
+            (&hoop, None),
+            around,
+            (0, at),
+            nodes,
+            #[inline(always)]
+            |node| &mut node.force_mut()[0],
+        );
+    }
+
     /// Derivatives of the mass at every node.
     #[inline(always)]
     fn add_derivatives_of_mass<R: Registers<f64>>(
@@ -399,17 +432,23 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> Work<f64>
     #[inline(always)]
     fn run<R: Registers<f64>>(mut self, registers: R) {
         let mut weights = TaylorWeights::none();
+        self.transfer = self.transfer.from_body(self.body);
         let (body, lattice) = (self.body, self.transfer.lattice);
+        let ParticleToGrid { axisymmetric, hoop_curvature, .. } = self.transfer;
+        let mut around = TaylorWeights::none();
         let conditions = body.points.conditions();
         for run in body.binning.runs_of(self.slot) {
             let of = Run::of(body, &conditions, run);
             for p in 0..of.position.len() {
                 weights.find(&lattice, &of.position[p], &of.base[p]);
+                if axisymmetric {
+                    around = weights.with_curvature(hoop_curvature);
+                }
                 let node = of.node[p] - self.first;
                 for at in registers_of_directions::<S, R>() {
                     let parts = self.find_parts(registers, (&of, p), at);
                     if at == 0 {
-                        self.add_values(&parts, &weights, node);
+                        self.add_values(&parts, (&weights, &around), node);
                     }
                     if S::ORDER == 0 {
                         continue;
@@ -417,6 +456,10 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> Work<f64>
                     let shift = Shift::load(registers, &of.position[p], lattice.per_cell, at);
                     let to = (node, at);
                     self.add_derivatives(registers, (&parts, &weights), &shift, to);
+                    if axisymmetric && self.with_force() {
+                        let of = (&parts.hoop, &around);
+                        self.add_derivatives_of_hoop(registers, of, &shift, to);
+                    }
                     if self.transfer.given != Given::Momentum {
                         let of = (&parts.mass, &weights);
                         self.add_derivatives_of_mass(registers, of, &shift, to);

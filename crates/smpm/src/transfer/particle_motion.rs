@@ -8,6 +8,7 @@
 use crate::config::{Config, Geometry, Transfer};
 use crate::grid::lattice::Lattice;
 use crate::number::CarriedNumber;
+use crate::points::body::Body;
 use crate::points::particles::Chunk;
 use crate::transfer::shape::Shape;
 
@@ -30,6 +31,8 @@ pub(crate) struct GridToParticle<const D: usize> {
     pub(crate) dt: f64,
     pub(crate) pass: Pass,
     pub(crate) axisymmetric: bool,
+    /// See [`Shape::hoop_curvature`].
+    pub(crate) hoop_curvature: f64,
     /// Whether with APIC's matrix.
     pub(crate) affine: bool,
     /// `1/d` of `D_p = d I`.
@@ -47,6 +50,8 @@ pub(crate) struct Sums<S, const D: usize> {
     pub(crate) gradient: [[S; D]; D],
     /// `sum_i v_k n_il N_i`, `n_il` the number of the node along axis `l` from the lowest.
     pub(crate) moment: [[S; D]; D],
+    /// `sum_i v_r (N_i + c N_i'')`, `c` of [`Shape::hoop_curvature`].
+    pub(crate) around: S,
 }
 
 /// What a sum starts with: minus zero, to which anything may be added without a change, so that for `f64` the compiler
@@ -60,7 +65,13 @@ impl<S: CarriedNumber, const D: usize> Sums<S, D> {
     #[inline(always)]
     pub(crate) fn none() -> Self {
         let (vector, matrix) = ([nothing(); D], [[nothing(); D]; D]);
-        Self { velocity: vector, change: vector, gradient: matrix, moment: matrix }
+        Self {
+            velocity: vector,
+            change: vector,
+            gradient: matrix,
+            moment: matrix,
+            around: nothing(),
+        }
     }
 }
 
@@ -73,12 +84,19 @@ impl<const D: usize> GridToParticle<D> {
             dt,
             pass,
             axisymmetric: config.geometry == Geometry::Axisymmetric,
+            hoop_curvature: 0.0,
             affine: config.transfer == Transfer::Apic,
             inverse_inertia: match config.shape {
                 Shape::QuadraticBSpline => 4.0 / square,
                 Shape::CubicBSpline => 3.0 / square,
             },
         }
+    }
+
+    /// The same for the particles of a body.
+    pub(crate) fn to_body<S: CarriedNumber>(&self, body: &Body<S, D>) -> Self {
+        let spacing = body.spacing()[0] * self.lattice.per_cell;
+        Self { hoop_curvature: self.shape.hoop_curvature(spacing), ..*self }
     }
 
     /// Updates a particle from its sums over nodes.
@@ -105,7 +123,7 @@ impl<const D: usize> GridToParticle<D> {
         }
     }
 
-    /// `L_p = sum_i v_i grad N_i`, and the hoop `v_r/r`.
+    /// `L_p = sum_i v_i grad N_i`, and the hoop `sum_i v_r (N_i + c N_i'') / r`.
     #[inline(always)]
     fn find_gradient<S: CarriedNumber>(
         &self,
@@ -120,7 +138,7 @@ impl<const D: usize> GridToParticle<D> {
             }
         }
         if self.axisymmetric {
-            l[2][2] = sums.velocity[0] / chunk.position[p][0];
+            l[2][2] = sums.around / chunk.position[p][0];
         }
     }
 

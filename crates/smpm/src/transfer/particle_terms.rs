@@ -38,7 +38,9 @@ pub(crate) struct ParticleToGrid<const D: usize> {
     pub(crate) affine: bool,
     pub(crate) gravity: [f64; D],
     pub(crate) axisymmetric: bool,
-    /// Whether anything acts on all nodes of a particle alike: gravity, the hoop.
+    /// See [`Shape::hoop_curvature`].
+    pub(crate) hoop_curvature: f64,
+    /// Whether there is gravity.
     pub(crate) body_force: bool,
 }
 
@@ -85,7 +87,6 @@ impl<'a, S: CarriedNumber, const D: usize> Run<'a, S, D> {
 
 impl<const D: usize> ParticleToGrid<D> {
     pub(crate) fn of(config: &Config<D>, given: Given) -> Self {
-        let axisymmetric = config.geometry == Geometry::Axisymmetric;
         let falls = config.gravity.iter().any(|&along| along != 0.0);
         Self {
             lattice: Lattice::of(config),
@@ -93,9 +94,16 @@ impl<const D: usize> ParticleToGrid<D> {
             given,
             affine: config.transfer == Transfer::Apic,
             gravity: config.gravity,
-            axisymmetric,
-            body_force: falls || axisymmetric,
+            axisymmetric: config.geometry == Geometry::Axisymmetric,
+            hoop_curvature: 0.0,
+            body_force: falls,
         }
+    }
+
+    /// The same for the particles of a body.
+    pub(crate) fn from_body<S: CarriedNumber>(&self, body: &Body<S, D>) -> Self {
+        let spacing = body.spacing()[0] * self.lattice.per_cell;
+        Self { hoop_curvature: self.shape.hoop_curvature(spacing), ..*self }
     }
 
     /// Momentum with APIC's matrix.
@@ -122,23 +130,12 @@ impl<const D: usize> ParticleToGrid<D> {
         MomentumTerms { lowest, growth }
     }
 
-    /// What acts on all nodes of a particle alike: gravity, the hoop.
+    /// The force of the hoop on the nodes of a particle, along the radius: `-V_p sigma_tt / r`.
     #[inline(always)]
-    pub(crate) fn force_on_all_nodes<S: CarriedNumber>(
-        &self,
-        of: &Run<'_, S, D>,
-        p: usize,
-    ) -> [S; D] {
-        let mut force = [of.mass[p]; D];
-        for k in 0..D {
-            force[k] = of.mass[p] * self.gravity[k];
-        }
-        if self.axisymmetric {
-            let Columns { volume, viscosity, stress, .. } = &of.conditions;
-            let volume = volume[p] * of.reference_volume[p];
-            let hoop = stress[2][p] - viscosity[p];
-            force[0] = force[0] - volume * hoop / of.position[p][0];
-        }
-        force
+    pub(crate) fn hoop_force<S: CarriedNumber>(&self, of: &Run<'_, S, D>, p: usize) -> S {
+        let Columns { volume, viscosity, stress, .. } = &of.conditions;
+        let volume = volume[p] * of.reference_volume[p];
+        let hoop = stress[2][p] - viscosity[p];
+        -(volume * hoop / of.position[p][0])
     }
 }

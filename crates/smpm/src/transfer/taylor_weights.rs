@@ -174,6 +174,18 @@ impl<const NODES: usize, const D: usize> TaylorWeights<NODES, D> {
         }
     }
 
+    /// Those of `N + c N''`, the second derivative along the first axis.
+    #[inline(always)]
+    pub(crate) fn with_curvature(&self, c: f64) -> Self {
+        let Self { mut along, outer } = *self;
+        for order in 0..=HIGHEST - 2 {
+            for i in 0..NODES {
+                along[order][i] += c * self.along[order + 2][i];
+            }
+        }
+        Self { along, outer }
+    }
+
     /// Those of a particle, from the lowest node that it sees.
     #[inline(always)]
     pub(crate) fn find<S: CarriedNumber>(

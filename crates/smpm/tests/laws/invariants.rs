@@ -250,15 +250,15 @@ fn what_cannot_be_is_refused_with_its_value() {
     );
     assert_eq!(
         refused(|c| c.boundaries = vec![clamped(0, 0.05, Side::Below)]),
-        "a boundary normal to axis 0 is at 0.05; it must be a whole number of cells of 0.1 from the origin"
+        "a boundary normal to the first axis is at 0.05; it must be a whole number of cells of 0.1 from the origin"
     );
     assert_eq!(
         refused(|c| c.boundaries = vec![clamped(0, 0.5, Side::Above)]),
-        "body 0, particle 0: component 0 of its position is 0.025; it must be on the bodies' side of 0.5"
+        "first body, particle 0: the first component of its position is 0.025; it must be on the bodies' side of 0.5"
     );
     assert_eq!(
         refused(|c| c.boundaries = vec![clamped(0, 0.0, Side::Above), clamped(0, 0.2, Side::Below)]),
-        "boundaries normal to axis 0 are 2 cells apart; they must be at least 4"
+        "boundaries normal to the first axis are 2 cells apart; they must be at least 4"
     );
     assert!(matches!(
         Simulation::<f64, 1>::new(Config::with_cell(0.1), vec![]),

@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
+mod axis;
 mod boundaries;
 mod contact;
 mod custom_field_experiment;

@@ -231,7 +231,7 @@ pub fn copper_strength(units: Units) -> JohnsonCookParameters<f64> {
     }
 }
 
-/// Aluminium 6061-T6. No strength: no source of its Johnson-Cook constants was found that could be checked.
+/// Aluminium 6061-T6.
 ///
 /// | constant | value | source |
 /// |---|---|---|
@@ -252,9 +252,248 @@ pub fn aluminium_equation(units: Units) -> MieGruneisenParameters<f64> {
     }
 }
 
+/// Mie-Grüneisen from density (kg/m³), sound speed (m/s), `S1` and `gamma0`; the other constants are zero.
+fn shock(units: Units, constants: [f64; 4]) -> MieGruneisenParameters<f64> {
+    let [density, sound_speed, s1, gruneisen] = constants;
+    MieGruneisenParameters {
+        density: units.density(density),
+        sound_speed: units.velocity(sound_speed),
+        s1,
+        s2: 0.0,
+        s3: 0.0,
+        gruneisen,
+        gruneisen_slope: 0.0,
+    }
+}
+
+/// Johnson and Cook's flow stress from `G`, `A`, `B` (Pa), `n`, `C`, `m`, reference rate (1/s), melting temperature (K), density (kg/m³) and
+/// specific heat (J/(kg K)); room at 294 K, a rate floor of one and nine tenths of the plastic work as heat are chosen.
+fn flow(units: Units, constants: [f64; 10]) -> JohnsonCookParameters<f64> {
+    let [shear, a, b, n, c, m, rate, melting_temperature, density, heat] = constants;
+    JohnsonCookParameters {
+        shear_modulus: units.stress(shear),
+        a: units.stress(a),
+        b: units.stress(b),
+        n,
+        c,
+        m,
+        reference_rate: units.rate(rate),
+        rate_floor: 1.0,
+        room_temperature: 294.0,
+        melting_temperature,
+        taylor_quinney: 0.9,
+        density: units.density(density),
+        specific_heat: units.specific_heat(heat),
+    }
+}
+
+/// Johnson and Cook's fracture from `D1` to `D5` and the spall strength (Pa), infinite where nothing spalls.
+fn fracture(
+    units: Units,
+    [d1, d2, d3, d4, d5, spall]: [f64; 6],
+) -> JohnsonCookDamageParameters<f64> {
+    JohnsonCookDamageParameters { d1, d2, d3, d4, d5, spall_strength: units.stress(spall) }
+}
+
+/// Aluminium 6061-T6.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | A, B, n, C, m | 324 MPa, 114 MPa, 0.42, 0.002, 1.34 | B and n looked up in the material database of Payette (Sandia); the others from memory, as in decks for LS-DYNA |
+/// | G, melting temperature, specific heat | 26 GPa, 925 K, 896 J/(kg K) | G and heat likewise looked up; the temperature from memory |
+/// | reference rate | 1 1/s | from memory |
+#[must_use]
+pub fn aluminium_strength(units: Units) -> JohnsonCookParameters<f64> {
+    flow(units, [26e9, 324e6, 114e6, 0.42, 0.002, 1.34, 1.0, 925.0, 2700.0, 896.0])
+}
+
+/// Fracture of aluminium 6061-T6. Above a triaxiality of 1.35 its strain at fracture by triaxiality is below zero: see
+/// [`JohnsonCookDamage`](super::JohnsonCookDamage).
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | D1 to D5 | -0.77, 1.45, -0.47, 0, 1.6 | published in decks for LS-DYNA |
+/// | spall strength | none | give your own |
+#[must_use]
+pub fn aluminium_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
+    fracture(units, [-0.77, 1.45, -0.47, 0.0, 1.6, f64::INFINITY])
+}
+
+/// Titanium Ti-6Al-4V.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | density, C, S1, gamma0 | 4428 kg/m³, 5130 m/s, 1.028, 1.23 | from memory, as Steinberg's |
+#[must_use]
+pub fn titanium_equation(units: Units) -> MieGruneisenParameters<f64> {
+    shock(units, [4428.0, 5130.0, 1.028, 1.23])
+}
+
+/// Titanium Ti-6Al-4V.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | A, B, n, C, m | 1098 MPa, 1092 MPa, 0.93, 0.014, 1.1 | from memory, as Lesuer's (2000) |
+/// | G, melting temperature, specific heat, reference rate | 41.9 GPa, 1878 K, 580 J/(kg K), 1 1/s | likewise |
+#[must_use]
+pub fn titanium_strength(units: Units) -> JohnsonCookParameters<f64> {
+    flow(units, [41.9e9, 1098e6, 1092e6, 0.93, 0.014, 1.1, 1.0, 1878.0, 4428.0, 580.0])
+}
+
+/// Fracture of titanium Ti-6Al-4V.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | D1 to D5 | -0.09, 0.25, -0.5, 0.014, 3.87 | Distefano et al. 2022, table 7, looked up; they name Zhang et al. 2015 |
+/// | spall strength | none | give your own |
+#[must_use]
+pub fn titanium_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
+    fracture(units, [-0.09, 0.25, -0.5, 0.014, 3.87, f64::INFINITY])
+}
+
+/// The structural steel Weldox 460 E; with the equation of state of [`steel_equation`] at its density.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | A, B, n, C | 490 MPa, 383 MPa, 0.45, 0.0114 | Børvik, Hopperstad, Berstad and Langseth 2002, looked up in a public deck that cites them |
+/// | reference rate | 5e-4 1/s | likewise |
+/// | m, melting temperature, specific heat | 0.94, 1800 K, 452 J/(kg K) | from memory, of the same authors |
+/// | G | 200 GPa / (2 (1 + 0.33)) | the same deck |
+#[must_use]
+pub fn weldox_460e_strength(units: Units) -> JohnsonCookParameters<f64> {
+    flow(units, [200e9 / 2.66, 490e6, 383e6, 0.45, 0.0114, 0.94, 5e-4, 1800.0, 7850.0, 452.0])
+}
+
+/// Shocks in the steel Weldox 460 E: [`steel_equation`] at its density.
+#[must_use]
+pub fn weldox_460e_equation(units: Units) -> MieGruneisenParameters<f64> {
+    MieGruneisenParameters { density: units.density(7850.0), ..steel_equation(units) }
+}
+
+/// Fracture of the steel Weldox 460 E.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | D1 to D5 | 0.0705, 1.732, -0.54, -0.0123, 0 | Børvik et al. 2002; looked up in a public code, under the name of steel |
+/// | spall strength | none | give your own |
+#[must_use]
+pub fn weldox_460e_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
+    fracture(units, [0.0705, 1.732, -0.54, -0.0123, 0.0, f64::INFINITY])
+}
+
+/// Hardened tool steel of blunt projectiles (Arne).
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | G | 204 GPa / (2 (1 + 0.33)) | Børvik et al. 2001, from memory |
+/// | yield stress, hardening modulus | 1900, 15000 MPa | likewise |
+#[must_use]
+pub fn tool_steel_strength(units: Units) -> VonMisesParameters<f64> {
+    VonMisesParameters {
+        shear_modulus: units.stress(204e9 / 2.66),
+        yield_stress: units.stress(1900e6),
+        hardening_modulus: units.stress(15e9),
+    }
+}
+
+/// Tungsten alloy, 7 % nickel and iron.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | density, C, S1, gamma0 | 17000 kg/m³, 4029 m/s, 1.23, 1.54 | from memory, as Steinberg's of tungsten |
+#[must_use]
+pub fn tungsten_alloy_equation(units: Units) -> MieGruneisenParameters<f64> {
+    shock(units, [17000.0, 4029.0, 1.23, 1.54])
+}
+
+/// Tungsten alloy, 7 % nickel and iron.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | A, B, n, C, m | 1506 MPa, 177 MPa, 0.12, 0.016, 1.0 | Johnson and Cook 1983, from memory |
+/// | G, melting temperature, specific heat, reference rate | 160 GPa, 1723 K, 134 J/(kg K), 1 1/s | likewise |
+#[must_use]
+pub fn tungsten_alloy_strength(units: Units) -> JohnsonCookParameters<f64> {
+    flow(units, [160e9, 1506e6, 177e6, 0.12, 0.016, 1.0, 1.0, 1723.0, 17000.0, 134.0])
+}
+
+/// Lead.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | density, C, S1, gamma0 | 11350 kg/m³, 2092 m/s, 1.45, 2.0 | the debris cloud of a public code (MPM3D-F90), looked up |
+#[must_use]
+pub fn lead_equation(units: Units) -> MieGruneisenParameters<f64> {
+    shock(units, [11350.0, 2092.0, 1.45, 2.0])
+}
+
+/// Lead.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | G, A, B, n, C, m | 7.9 GPa, 12 MPa, 125 MPa, 1, 0, 1 | the debris cloud of MPM3D-F90, looked up |
+/// | melting temperature, specific heat | 600 K, 129 J/(kg K) | likewise |
+#[must_use]
+pub fn lead_strength(units: Units) -> JohnsonCookParameters<f64> {
+    flow(units, [7.9e9, 12e6, 125e6, 1.0, 0.0, 1.0, 1.0, 600.0, 11350.0, 129.0])
+}
+
+/// Fracture of lead: at a plastic strain of three, or a tension of 150 MPa.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | D1, spall strength | 3, 150 MPa | the debris cloud of MPM3D-F90, looked up |
+#[must_use]
+pub fn lead_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
+    fracture(units, [3.0, 0.0, 0.0, 0.0, 0.0, 150e6])
+}
+
+/// Fracture of OFHC copper.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | D1 to D5 | 0.54, 4.89, -3.03, 0.014, 1.12 | Johnson and Cook 1985, from memory |
+/// | spall strength | none | give your own |
+#[must_use]
+pub fn copper_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
+    fracture(units, [0.54, 4.89, -3.03, 0.014, 1.12, f64::INFINITY])
+}
+
+/// Composition B, its products by JWL.
+///
+/// | constant | value | source |
+/// |---|---|---|
+/// | density, A, omega | 1717 kg/m³, 524.2 GPa, 0.34 | Dobratz and Crawford 1985, looked up in a public code |
+/// | B, R1, R2, E0, detonation speed | 7.678 GPa, 4.2, 1.1, 8.5 GPa, 7980 m/s | likewise, from memory |
+#[must_use]
+pub fn composition_b(units: Units) -> JwlParameters<f64> {
+    JwlParameters {
+        density: units.density(1717.0),
+        a: units.stress(524.2e9),
+        b: units.stress(7.678e9),
+        r1: 4.2,
+        r2: 1.1,
+        omega: 0.34,
+        energy: units.stress(8.5e9),
+        detonation_speed: units.velocity(7980.0),
+    }
+}
+
 /// Names of the entries of [`entry`]; each has some of the models.
-pub const ENTRIES: [&str; 6] =
-    ["steel", "steel_as_published", "copper", "aluminium", "water", "tnt"];
+pub const ENTRIES: [&str; 12] = [
+    "steel",
+    "steel_as_published",
+    "weldox_460e",
+    "tool_steel",
+    "copper",
+    "aluminium",
+    "titanium",
+    "tungsten_alloy",
+    "lead",
+    "water",
+    "tnt",
+    "composition_b",
+];
 
 /// The parameters of a model by their names, if the library has them under the name of an entry. The model is `mie_gruneisen`, `jwl`,
 /// `von_mises`, `johnson_cook` or `damage`.
@@ -271,12 +510,29 @@ pub fn entry(model: &str, name: &str, units: Units) -> Option<Vec<(&'static str,
         ("mie_gruneisen", "steel") => named!(steel_equation(units)),
         ("mie_gruneisen", "copper") => named!(copper_equation(units)),
         ("mie_gruneisen", "aluminium") => named!(aluminium_equation(units)),
+        ("mie_gruneisen", "weldox_460e") => named!(weldox_460e_equation(units)),
+        ("mie_gruneisen", "tool_steel") => named!(weldox_460e_equation(units)),
+        ("mie_gruneisen", "titanium") => named!(titanium_equation(units)),
+        ("mie_gruneisen", "tungsten_alloy") => named!(tungsten_alloy_equation(units)),
+        ("mie_gruneisen", "lead") => named!(lead_equation(units)),
         ("mie_gruneisen", "water") => named!(water(units)),
         ("jwl", "tnt") => named!(tnt(units)),
+        ("jwl", "composition_b") => named!(composition_b(units)),
+        ("von_mises", "tool_steel") => named!(tool_steel_strength(units)),
         ("von_mises", "copper") => named!(copper_linear_hardening(units)),
         ("johnson_cook", "steel") => named!(steel_strength(units)),
         ("johnson_cook", "steel_as_published") => named!(steel_strength_as_published(units)),
         ("johnson_cook", "copper") => named!(copper_strength(units)),
+        ("johnson_cook", "weldox_460e") => named!(weldox_460e_strength(units)),
+        ("johnson_cook", "aluminium") => named!(aluminium_strength(units)),
+        ("johnson_cook", "titanium") => named!(titanium_strength(units)),
+        ("johnson_cook", "tungsten_alloy") => named!(tungsten_alloy_strength(units)),
+        ("johnson_cook", "lead") => named!(lead_strength(units)),
+        ("damage", "weldox_460e") => named!(weldox_460e_damage(units)),
+        ("damage", "aluminium") => named!(aluminium_damage(units)),
+        ("damage", "titanium") => named!(titanium_damage(units)),
+        ("damage", "lead") => named!(lead_damage(units)),
+        ("damage", "copper") => named!(copper_damage(units)),
         ("damage", "steel") => named!(steel_damage(units)),
         _ => None,
     }
@@ -288,18 +544,42 @@ mod tests {
     use crate::{Detonation, JohnsonCook, JohnsonCookDamage, Jwl, MieGruneisen, VonMises};
 
     #[test]
-    fn every_material_can_be_made_in_every_system() {
-        for units in [Units::SI, Units::CM_G_US, Units::MM_MG_US] {
-            for equation in [water, steel_equation, copper_equation, aluminium_equation] {
-                MieGruneisen::new(equation(units)).unwrap();
-            }
-            for strength in [steel_strength, steel_strength_as_published, copper_strength] {
-                JohnsonCook::new(strength(units)).unwrap();
-            }
-            VonMises::new(copper_linear_hardening(units)).unwrap();
-            JohnsonCookDamage::new(steel_strength(units), steel_damage(units)).unwrap();
-            Jwl::new(tnt(units), Detonation { point: [0.0; 3], cells: 1.0 }).unwrap();
+    fn every_entry_can_be_made_in_every_system() {
+        macro_rules! made {
+            ($parameters:ident, $model:literal, $name:expr, $units:expr) => {
+                entry($model, $name, $units).map(|found| {
+                    $parameters::try_from_names(|name| {
+                        let number = found.iter().find(|(known, _)| *known == name);
+                        Ok::<f64, crate::Error>(number.unwrap().1)
+                    })
+                    .unwrap()
+                })
+            };
         }
+        let mut n_models = 0;
+        for units in [Units::SI, Units::CM_G_US, Units::MM_MG_US, Units::MM_TONNE_S] {
+            for name in ENTRIES {
+                let shock = made!(MieGruneisenParameters, "mie_gruneisen", name, units);
+                let flow = made!(JohnsonCookParameters, "johnson_cook", name, units);
+                let hardening = made!(VonMisesParameters, "von_mises", name, units);
+                let products = made!(JwlParameters, "jwl", name, units);
+                let breaks = made!(JohnsonCookDamageParameters, "damage", name, units);
+                let has =
+                    [shock.is_some(), flow.is_some(), hardening.is_some(), products.is_some()];
+                assert!(has.contains(&true), "{name}");
+                n_models += has.iter().filter(|&&has| has).count();
+                let _ = shock.map(|it| MieGruneisen::new(it).unwrap());
+                let _ = flow.map(|it| JohnsonCook::new(it).unwrap());
+                let _ = hardening.map(|it| VonMises::new(it).unwrap());
+                let burn = Detonation { point: [0.0; 3], cells: 1.0 };
+                let _ = products.map(|it| Jwl::new(it, burn).unwrap());
+                if let Some(breaks) = breaks {
+                    JohnsonCookDamage::new(flow.unwrap(), breaks).unwrap();
+                }
+            }
+        }
+        assert_eq!(n_models % 4, 0);
+        assert!(n_models / 4 > 15);
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::{
 use crate::equation_of_state::at_least;
 use crate::error::{Error, Fault, positive};
 use crate::tensor::Symmetric;
+use simd_lanes::Mask;
 
 /// A material by its equation of state and its strength, each checked when it was made.
 ///
@@ -82,13 +83,24 @@ impl<S: Real, E: EquationOfState<S>, Y: Strength<S>> Material<S> for Solid<E, Y>
         let mut solved = line.a;
         if E::KNOWS_ENERGY {
             let resistance = line.b * half_change + 1.0;
+            let mut is_solved = resistance.splat(0.0).less(resistance);
+            solved = (line.a + line.b * half_way) / resistance;
+            // Debris: where the pressure after a step at the least pressure is below it, the least is the solution, however far the
+            // step compresses. Where there is no solution and the particle is still loose, it bears no pressure yet.
+            let (zero, one) = (resistance.splat(0.0), resistance.splat(1.0));
+            let strength = self.strength.least_pressure(&state.strength);
+            for least in [strength, self.equation.least_pressure()].into_iter().flatten() {
+                let is_slack = (line.a + line.b * (half_way - least * half_change)).less(least);
+                let is_loose = least.is_finite().and(one.less(now.volume)).and(is_solved.not());
+                solved = S::select(is_loose, zero, S::select(is_slack, least, solved));
+                is_solved = is_solved.or(is_slack).or(is_loose);
+            }
             Fault::unless(
-                resistance.splat(0.0).less(resistance),
+                is_solved,
                 resistance,
                 "1 + b dJ/2 of the energy of a step",
-                "greater than 0: the step compresses too much",
+                "greater than 0: the step compresses too much; debris needs `damage` or a limit of tension",
             )?;
-            solved = (line.a + line.b * half_way) / resistance;
         }
         let solved = at_least(solved, self.equation.least_pressure());
         let pressure = self.strength.carry(solved, &mut state.strength)?;
@@ -283,6 +295,34 @@ mod tests {
         assert!(solid.wave_speed(1.1, &state) > 1000.0);
         let closed = solid.update(&squeezed(1.1, 0.99), &mut state).unwrap();
         assert!(closed.0[0] < -1e7);
+    }
+
+    #[test]
+    fn debris_closes_by_more_than_an_energy_would_bear_and_then_bears_pressure() {
+        let equation = MieGruneisen::new(library::steel_equation(Units::CM_G_US)).unwrap();
+        let gamma = equation.line(3.0).b;
+        let (far, near) = (1.0 + 6.0 / gamma, 1.0 + 1.0 / gamma);
+        // A step from J = far to near changes gamma J by five: more than two.
+        let loose = TensionCutOff::new(equation, 0.0).unwrap();
+        let solid = Solid { equation: loose, strength: Fluid };
+        let mut state = Material::<f64>::start(&solid, [0.0; 3]);
+        let opened = solid.update(&squeezed(1.0, far), &mut state).unwrap();
+        assert_eq!(opened, Symmetric::zero());
+        let closing = solid.update(&squeezed(far, near), &mut state).unwrap();
+        assert_eq!((closing, state.energy), (Symmetric::zero(), 0.0));
+        let closed = solid.update(&squeezed(near, 0.95), &mut state);
+        assert!(closed.unwrap().0[0] < 0.0);
+        // Hot debris, whose pressure is above zero at any volume, bears none while a step has no solution.
+        let mut state = Material::<f64>::start(&solid, [0.0; 3]);
+        let _ = solid.update(&squeezed(1.0, far), &mut state).unwrap();
+        state.energy = 10.0;
+        assert_eq!(solid.update(&squeezed(far, near), &mut state).unwrap(), Symmetric::zero());
+        // One that bears tension is told what to do.
+        let bonded = Solid { equation, strength: Fluid };
+        let mut state = Material::<f64>::start(&bonded, [0.0; 3]);
+        let _ = bonded.update(&squeezed(1.0, far), &mut state).unwrap();
+        let fault = bonded.update(&squeezed(far, near), &mut state).unwrap_err();
+        assert!(fault.to_string().contains("damage"), "{fault}");
     }
 
     #[test]

@@ -26,6 +26,13 @@ impl Units {
     /// Millimetre, milligram, microsecond; gigapascal.
     pub const MM_MG_US: Self = Self { length: 1e-3, mass: 1e-6, time: 1e-6 };
 
+    /// Millimetre, kilogram, millisecond; gigapascal.
+    pub const MM_KG_MS: Self = Self { length: 1e-3, mass: 1.0, time: 1e-3 };
+    /// Millimetre, gram, millisecond; megapascal.
+    pub const MM_G_MS: Self = Self { length: 1e-3, mass: 1e-3, time: 1e-3 };
+    /// Millimetre, tonne, second; megapascal.
+    pub const MM_TONNE_S: Self = Self { length: 1e-3, mass: 1e3, time: 1.0 };
+
     /// The units of length (m), mass (kg) and time (s).
     ///
     /// # Errors
@@ -74,9 +81,15 @@ mod tests {
 
     #[test]
     fn a_system_is_consistent() {
-        for units in
-            [Units::SI, Units::CM_G_US, Units::MM_MG_US, Units::new(0.3, 2.0, 7.0).unwrap()]
-        {
+        for units in [
+            Units::SI,
+            Units::CM_G_US,
+            Units::MM_MG_US,
+            Units::MM_KG_MS,
+            Units::MM_G_MS,
+            Units::MM_TONNE_S,
+            Units::new(0.3, 2.0, 7.0).unwrap(),
+        ] {
             // rho v^2 is a stress, and rho c_p T one too.
             let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-14;
             let kinetic = units.density(7830.0) * units.velocity(450.0).powi(2);
@@ -84,6 +97,11 @@ mod tests {
             let thermal = units.density(7830.0) * units.specific_heat(477.0);
             assert!(close(thermal, units.stress(7830.0 * 477.0)));
             assert!(close(units.rate(2.0), units.velocity(2.0) * units.length));
+        }
+        for (units, unit) in
+            [(Units::MM_KG_MS, 1e9), (Units::MM_G_MS, 1e6), (Units::MM_TONNE_S, 1e6)]
+        {
+            assert!((units.stress(unit) - 1.0).abs() < 1e-15);
         }
         assert!(Units::new(1.0, 0.0, 1.0).is_err());
     }

@@ -11,9 +11,9 @@ use crate::{LocalFlow, Now, Observed, StrengthFamily};
 parameters! {
     /// What a [`JohnsonCookDamage`] needs besides a flow stress.
     JohnsonCookDamageParameters {
-        /// `D1 >= 0` (no unit).
+        /// `D1`, of either sign (no unit).
         d1,
-        /// `D2 >= 0`; `D1 + D2` above zero (no unit).
+        /// `D2 >= 0`; `D1 + D2`, the strain at fracture under shear, above zero (no unit).
         d2,
         /// `D3`, negative where tension embrittles (no unit).
         d3,
@@ -21,7 +21,7 @@ parameters! {
         d4,
         /// `D5`, that of the temperature (no unit).
         d5,
-        /// The tension at which a particle spalls, above zero (stress).
+        /// The tension at which a particle spalls, above zero; infinite for one that does not (stress).
         spall_strength,
     }
 }
@@ -34,7 +34,9 @@ parameters! {
 /// A particle fails where `D >= 1` or its tension reaches the spall strength. From then on it bears pressure, but no deviator and
 /// no tension. Before, damage does not soften it.
 ///
-/// Domain: $\sigma^\ast \le 1.5$, the range that the source fitted; above it 1.5 is taken.
+/// Domain: $\sigma^\ast \le 1.5$, the range that the source fitted; above it 1.5 is taken. Cards with `D1 < 0` have a triaxiality
+/// from which $D_1 + D_2 e^{D_3 \sigma^\ast}$ is not above zero: there `1e-6` is taken, so that the particle fails at the next
+/// plastic strain.
 ///
 /// Source: Johnson and Cook 1985.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,24 +59,29 @@ pub struct JohnsonCookDamageState<S> {
 /// The largest triaxiality for which the source gives the strain at fracture.
 const LARGEST_TRIAXIALITY: f64 = 1.5;
 
+/// The least strain at fracture by triaxiality, the customary one of programs that read such cards.
+const LEAST_STRAIN_AT_FRACTURE: f64 = 1e-6;
+
 impl<S: Scalar> JohnsonCookDamage<S> {
     /// Checks the parameters.
     ///
     /// # Errors
-    /// As [`JohnsonCook::new`]; [`Error::Negative`] for `D1` and `D2`, [`Error::NotPositive`] for their sum and the spall
-    /// strength, [`Error::NotFinite`] for the others.
+    /// As [`JohnsonCook::new`]; [`Error::Negative`] for `D2`, [`Error::NotPositive`] for `D1 + D2` and the spall strength,
+    /// [`Error::NotFinite`] for the others.
     pub fn new(
         flow: JohnsonCookParameters<S>,
         parameters: JohnsonCookDamageParameters<S>,
     ) -> Result<Self, Error> {
         let p = &parameters;
-        not_negative("d1", p.d1.value())?;
+        finite("d1", p.d1.value())?;
         not_negative("d2", p.d2.value())?;
         positive("d1 + d2", (p.d1 + p.d2).value())?;
         finite("d3", p.d3.value())?;
         finite("d4", p.d4.value())?;
         finite("d5", p.d5.value())?;
-        positive("spall strength", p.spall_strength.value())?;
+        if p.spall_strength.value() != f64::INFINITY {
+            positive("spall strength", p.spall_strength.value())?;
+        }
         Ok(Self { flow: JohnsonCook::new(flow)?, parameters })
     }
 }
@@ -131,6 +138,12 @@ impl<S: Real> Strength<S> for JohnsonCookDamage<S> {
     }
 
     #[inline(always)]
+    fn least_pressure(&self, state: &JohnsonCookDamageState<S>) -> Option<S> {
+        let zero = state.damage.splat(0.0);
+        Some(S::select(state.has_failed(), zero, zero.splat(f64::NEG_INFINITY)))
+    }
+
+    #[inline(always)]
     fn carry(&self, pressure: S, state: &mut JohnsonCookDamageState<S>) -> Result<S, Fault> {
         let p = &self.parameters;
         let (zero, one) = (pressure.splat(0.0), pressure.splat(1.0));
@@ -142,7 +155,8 @@ impl<S: Real> Strength<S> for JohnsonCookDamage<S> {
             let largest = pressure.splat(LARGEST_TRIAXIALITY);
             let triaxiality = S::select(largest.less(triaxiality), largest, triaxiality);
             let strain = p.d1 + p.d2 * (p.d3 * triaxiality).exp();
-            above_zero(grows, "D1 + D2 exp(D3 s) of the strain at fracture", strain)?;
+            let least = strain.splat(LEAST_STRAIN_AT_FRACTURE);
+            let strain = S::select(strain.less(least), least, strain);
             let grown = state.damage + state.pending / strain;
             state.damage = S::select(grows, grown, state.damage);
         }

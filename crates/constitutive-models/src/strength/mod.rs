@@ -73,6 +73,12 @@ pub trait Strength<S: Real>: std::fmt::Debug + Send + Sync {
         false
     }
 
+    /// The least pressure that the material bears in the present state, `None` for any: what has failed bears no tension.
+    #[inline(always)]
+    fn least_pressure(&self, _state: &Self::State) -> Option<S> {
+        None
+    }
+
     /// The pressure that the material bears at the end of the step, given the one that its equation of state asks for: what
     /// has failed bears no tension.
     ///

@@ -36,8 +36,8 @@ impl<const D: usize> ParticleStore<D> {
         self.write_vtu_with(positions, &[], out)
     }
 
-    /// As [`write_vtu`](Self::write_vtu), with texts in the field data, each under its name: units of the columns, what numbers of
-    /// bodies mean. ParaView shows them under Information and in a spreadsheet of the field data.
+    /// As [`write_vtu`](Self::write_vtu), with texts, each under its name, as comments at the head of the file: units of the columns,
+    /// what numbers of bodies mean. Readers that know no arrays of strings, such as meshio, read the file too.
     ///
     /// ```
     /// use particle_store::ParticleStore;
@@ -47,14 +47,14 @@ impl<const D: usize> ParticleStore<D> {
     /// let mut file = Vec::new();
     /// store.write_vtu_with(places, &[("unit of position", "m")], &mut file)?;
     /// let text = String::from_utf8_lossy(&file);
-    /// assert!(text.contains(r#"<DataArray type="String" Name="unit of position" NumberOfTuples="1""#));
+    /// assert!(text.contains("<!-- unit of position: m -->"));
     /// # Ok::<(), particle_store::Error>(())
     /// ```
     ///
     /// # Errors
     ///
-    /// As [`write_vtu`](Self::write_vtu); [`Error::DuplicateName`] for a text of the name of an attribute or of another text;
-    /// [`Error::NameNotXml`] for a text with a control character.
+    /// As [`write_vtu`](Self::write_vtu); [`Error::DuplicateName`] for two texts of one name; [`Error::NameNotXml`] for one with a
+    /// control character.
     pub fn write_vtu_with(
         &self,
         positions: Handle<[f64; D]>,
@@ -70,7 +70,8 @@ impl<const D: usize> ParticleStore<D> {
             return Err(Error::NotFinite { what });
         }
         let n = self.len();
-        let field = self.field_arrays(texts)?;
+        let field = self.field_arrays()?;
+        let comments = comments(texts)?;
         let point_data = self.point_arrays(positions)?;
         let points = [Array::new("Points", "Float64", 3, points.iter().map(padded))];
         let cells = [
@@ -80,8 +81,10 @@ impl<const D: usize> ParticleStore<D> {
         ];
 
         let mut xml = Xml::default();
+        xml.text.push_str("<?xml version=\"1.0\"?>\n");
+        xml.text.push_str(&comments);
         xml.text.push_str(concat!(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" ",
+            "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" ",
             "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n"
         ));
         xml.section("FieldData", &field)?;
@@ -100,7 +103,7 @@ impl<const D: usize> ParticleStore<D> {
         Ok(out.flush()?)
     }
 
-    fn field_arrays<'a>(&'a self, texts: &[(&'a str, &'a str)]) -> Result<Vec<Array<'a>>, Error> {
+    fn field_arrays(&self) -> Result<Vec<Array<'_>>, Error> {
         let mut arrays = Vec::new();
         for (name, value) in self.attributes() {
             arrays.push(match value {
@@ -116,15 +119,6 @@ impl<const D: usize> ParticleStore<D> {
                 Attribute::Real(value) => Array::new(name, "Float64", 1, core::iter::once(value)),
                 Attribute::Count(value) => Array::new(name, "UInt64", 1, core::iter::once(value)),
             });
-        }
-        for &(name, text) in texts {
-            if arrays.iter().any(|array| array.name == name) {
-                return Err(Error::DuplicateName { name: name.to_owned() });
-            }
-            if text.chars().any(char::is_control) {
-                return Err(Error::NameNotXml { name: text.to_owned() });
-            }
-            arrays.push(Array::of_text(name, text));
         }
         Ok(arrays)
     }
@@ -206,23 +200,23 @@ impl<'a> Array<'a> {
         let n_bytes = n_tuples as u64 * T::SIZE as u64;
         Self { name, vtk_type, n_components, n_tuples, n_bytes, write: Box::new(write) }
     }
+}
 
-    /// One string, which a zero ends.
-    fn of_text(name: &'a str, text: &'a str) -> Self {
-        let write = move |out: &mut dyn Write| {
-            out.write_all(text.as_bytes())?;
-            out.write_all(&[0])
-        };
-        let n_bytes = text.len() as u64 + 1;
-        Self {
-            name,
-            vtk_type: "String",
-            n_components: 1,
-            n_tuples: 1,
-            n_bytes,
-            write: Box::new(write),
+/// Texts under their names, each a comment; two hyphens would end one.
+fn comments(texts: &[(&str, &str)]) -> Result<String, Error> {
+    let mut all = String::new();
+    for (i, &(name, text)) in texts.iter().enumerate() {
+        if texts[..i].iter().any(|&(other, _)| other == name) {
+            return Err(Error::DuplicateName { name: name.to_owned() });
         }
+        let mut line = format!("{}: {}", escaped(name)?, escaped(text)?);
+        while line.contains("--") {
+            line = line.replace("--", "- -");
+        }
+        // Writing to a string cannot fail.
+        let _ = writeln!(all, "<!-- {line} -->");
     }
+    Ok(all)
 }
 
 fn array_of<'a, const D: usize>(name: &'a str, values: &'a Values<D>) -> Array<'a> {

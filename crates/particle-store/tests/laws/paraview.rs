@@ -47,7 +47,7 @@ fn files_are_the_golden_ones() {
     let nowhere = empty.add("position", Vec::new()).unwrap();
     is_golden("empty.vtu", &vtu(empty, nowhere));
     let mut with_texts = Vec::new();
-    let texts = [("unit of density", "kg/m³"), ("body 0", "plate <1>")];
+    let texts = [("unit of density", "kg/m³"), ("body 0", "plate <1>---")];
     store.write_vtu_with(position, &texts, &mut with_texts).unwrap();
     is_golden("texts.vtu", &with_texts);
     let mut series = Vec::new();
@@ -126,12 +126,11 @@ fn names_that_clash_or_are_no_xml_are_refused() {
 }
 
 #[test]
-fn texts_of_a_name_that_is_taken_and_with_control_characters_are_refused() {
+fn texts_of_one_name_and_with_control_characters_are_refused() {
     let (store, position) = store();
     let refused =
         |texts: &[(&str, &str)]| store.write_vtu_with(position, texts, Vec::new()).unwrap_err();
-    for taken in [&[("step", "seven")][..], &[("unit", "m"), ("unit", "s")]] {
-        assert!(matches!(refused(taken), Error::DuplicateName { .. }));
-    }
+    let twice = [("unit", "m"), ("unit", "s")];
+    assert!(matches!(refused(&twice), Error::DuplicateName { name } if name == "unit"));
     assert!(matches!(refused(&[("unit", "m\0s")]), Error::NameNotXml { .. }));
 }

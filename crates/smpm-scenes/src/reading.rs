@@ -51,7 +51,7 @@ impl SmpmScene {
     /// # Errors
     /// An [`Objection`] to a missing or unknown parameter.
     pub fn numbers(&self) -> Result<BTreeMap<&str, Numbers>, Objection> {
-        let units = self.units.units();
+        let units = self.units.units()?;
         let read = |(name, material): (&'_ String, &MaterialScene)| {
             material.numbers(units, &format!("materials.{name}"))
         };

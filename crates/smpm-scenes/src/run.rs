@@ -64,6 +64,10 @@ fn run_in<const D: usize>(
     let experiment = SceneExperiment::<D>::new(scene).map_err(object)?;
     let plan = scene.plan::<D>().map_err(object)?;
     let mut notes = scene.rounded_sizes();
+    notes.extend(scene.implausible().map_err(object)?);
+    notes.extend(scene.bonded_gaps::<D>().map_err(object)?);
+    notes.extend(scene.sparse_particles());
+    notes.extend(scene.levels_of_one_run());
     let print = |notes: &[String]| {
         for note in notes {
             run.progress.stage(&format!("note: {note}"));
@@ -144,9 +148,10 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
             let objection = Objection::new("times", error.to_string());
             file.object_to(&objection.with_help(OTHER_TIMES)).into()
         }
-        smpm::Error::NotOnGrid { .. } | smpm::Error::BoundariesTooClose { .. } => {
-            at("boundaries".to_owned())
-        }
+        smpm::Error::NotOnGrid { .. }
+        | smpm::Error::BoundariesTooClose { .. }
+        | smpm::Error::BoundariesContradict { .. }
+        | smpm::Error::AxisIsNoBoundary => at("boundaries".to_owned()),
         _ => RunError::solver(error),
     }
 }

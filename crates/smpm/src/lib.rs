@@ -22,5 +22,6 @@ pub use points::compiled_points::Number;
 pub use points::fill::Fill;
 pub use record::gathered::{Record, Schedule};
 pub use record::observation::{Gauge, Place, Plan, Quantity, Window};
+pub use record::tearing::Neighbours;
 pub use simulation::{Ledger, Simulation, StepReport};
 pub use transfer::shape::Shape;

@@ -13,5 +13,6 @@ mod mistakes;
 mod peridyn;
 mod run_page;
 mod smpm;
+mod smpm_bodies;
 mod smpm_fields;
 mod sources;

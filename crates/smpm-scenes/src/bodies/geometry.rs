@@ -2,16 +2,21 @@
 
 use std::collections::BTreeSet;
 
-use result_figures::number::tidy;
+use result_figures::number::{counted, tidy};
 use scene_runs::scene::Objection;
 use smpm::Fill;
 
 use super::region::BodyRegion;
 use crate::coordinates::point;
-use crate::scene::{SmpmScene, SolidScene};
+use crate::material_scene::EquationScene;
+use crate::method_scene::MethodScene;
+use crate::scene::{BodyScene, ContactScene, SmpmScene, SolidScene};
 
 /// Largest part of a particle by which a body may miss the size that is asked for, without a note: roundoff.
 const ROUNDOFF: f64 = 1e-6;
+
+/// Largest number of cells over which a burn is spread; over more than a charge has, it never detonates.
+const MOST_BURN_CELLS: f64 = 100.0;
 
 impl SmpmScene {
     /// Rejects names that occur twice.
@@ -75,6 +80,13 @@ impl SmpmScene {
     ) -> Result<(), Objection> {
         let path = format!("materials.{material}.detonation.point");
         let Some(burn) = &self.materials[material].detonation else { return Ok(()) };
+        if burn.cells > MOST_BURN_CELLS {
+            let message = format!(
+                "{} cells; the front may be spread over {MOST_BURN_CELLS} at most",
+                burn.cells
+            );
+            return Err(Objection::new(format!("materials.{material}.detonation.cells"), message));
+        }
         let start = point::<D>(&burn.point, &path)?;
         let distance = |place: &[f64; D]| {
             place.iter().zip(&start).fold(0.0, |most, (x, y)| f64::max(most, (x - y).abs()))
@@ -117,6 +129,73 @@ impl SmpmScene {
             }
         }
         notes
+    }
+
+    /// A note for levels of a single run, which has no probabilities.
+    pub(crate) fn levels_of_one_run(&self) -> Option<String> {
+        let is_one = self.method == MethodScene::Deterministic;
+        (is_one && !self.levels.is_empty()).then(|| {
+            "`levels` are not used: one run has no probabilities; take a method for random parameters".to_owned()
+        })
+    }
+
+    /// A note for one particle a cell, which is far too stiff in bending.
+    pub(crate) fn sparse_particles(&self) -> Option<String> {
+        (self.grid.particles_per_cell == 1 && self.dimension > 1).then(|| {
+            "one particle along the edge of a cell: bodies that bend are far too stiff (a cantilever with Poisson's ratio 0.499 deflects by 0.02 in place of 0.307); take 2, except for the collapse of plastic bodies".to_owned()
+        })
+    }
+
+    /// A note for each solid body that has come apart without failure of its material, by the pairs of particles of each body.
+    pub(crate) fn torn(&self, pairs: &[usize]) -> Vec<String> {
+        let is_solid = |body: &BodyScene| {
+            self.materials.get(&body.material).is_some_and(|material| {
+                material.strength.is_some()
+                    || matches!(material.equation, EquationScene::NeoHookean(_))
+            })
+        };
+        let bodies = self.bodies.iter().zip(pairs).filter(|(body, n)| **n > 0 && is_solid(body));
+        let note = |(body, n): (&BodyScene, &usize)| {
+            format!(
+                "body `{}` is torn by the grid, not by its material: {} of neighbouring particles share no node any more at the end; numbers that depend on it are wrong from then on: take smaller cells, cubic B-splines, more particles a cell, or a material with `damage`",
+                body.name,
+                counted(*n, "pair"),
+            )
+        };
+        bodies.map(note).collect()
+    }
+
+    /// A note for each pair of bonded bodies that are apart at the start: they act on each other before they touch, and never part.
+    ///
+    /// Bodies are as far apart as the boxes about them.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a region.
+    pub(crate) fn bonded_gaps<const D: usize>(&self) -> Result<Vec<String>, Objection> {
+        if self.contact != ContactScene::Bonded {
+            return Ok(Vec::new());
+        }
+        let bounds = |(i, body)| Ok(BodyRegion::<D>::of(body, &format!("bodies[{i}]"))?.bounds());
+        let boxes =
+            self.bodies.iter().enumerate().map(bounds).collect::<Result<Vec<_>, Objection>>()?;
+        let cell = self.grid.cell;
+        let mut notes = Vec::new();
+        for later in 1..boxes.len() {
+            for earlier in 0..later {
+                let ((low, high), (other_low, other_high)) = (boxes[earlier], boxes[later]);
+                let along = |k: usize| f64::max(other_low[k] - high[k], low[k] - other_high[k]);
+                let gap = (0..D).map(along).fold(f64::NEG_INFINITY, f64::max);
+                if gap > ROUNDOFF * cell {
+                    notes.push(format!(
+                        "bodies `{}` and `{}` are {} cells apart and `contact` is bonded: they act on each other from three cells on and stick together; write \"contact\": {{\"friction\": {{\"coefficient\": 0}}}} for bodies that meet and part",
+                        self.bodies[earlier].name,
+                        self.bodies[later].name,
+                        tidy(gap / cell),
+                    ));
+                }
+            }
+        }
+        Ok(notes)
     }
 }
 

@@ -6,7 +6,7 @@ use result_figures::number::tidy;
 use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use smpm::material::library::entry;
+use smpm::material::library::{ENTRIES, entry};
 use smpm::material::{
     Detonation, ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, Fluid,
     JohnsonCook, JohnsonCookDamage, JohnsonCookDamageParameters, JohnsonCookParameters, Jwl,
@@ -27,7 +27,8 @@ pub struct MaterialScene {
     /// Strength model: deviatoric stress; a fluid without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthScene>,
-    /// Johnson-Cook damage, for the strength `johnson_cook` only; none without this key.
+    /// Johnson-Cook damage, for the strength `johnson_cook` only; none without this key. With `spall_strength` alone a particle fails by
+    /// tension and by nothing else; without it, by strain and by nothing else.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "material_schema::damage", example = ParameterScene::of_library("steel"))]
     pub damage: Option<ParameterScene>,
@@ -178,6 +179,11 @@ impl StrengthScene {
     }
 }
 
+/// Names of the library that have a model.
+fn with_model(model: &str) -> Vec<&'static str> {
+    ENTRIES.into_iter().filter(|name| entry(model, name, Units::SI).is_some()).collect()
+}
+
 impl ParameterScene {
     fn of_numbers(numbers: &[(&str, f64)]) -> Self {
         let set = numbers.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
@@ -196,13 +202,13 @@ impl ParameterScene {
         path: &str,
         numbers: &mut Numbers,
     ) -> Result<(), Objection> {
+        let otherwise = |name: &str| self.default_of(part, name, numbers);
         let base = match &self.library {
             None => Vec::new(),
             Some(name) => entry(model, name, units).ok_or_else(|| {
                 let message = format!("the library has no `{name}` for this model");
-                Objection::new(format!("{path}.library"), message).with_help(
-                    "mie_gruneisen has steel, copper, aluminium, water; jwl has tnt; von_mises has copper; johnson_cook has steel, steel_as_published, copper; damage has steel",
-                )
+                Objection::new(format!("{path}.library"), message)
+                    .with_help(format!("it has {}", with_model(model).join(", ")))
             })?,
         };
         if let Some(name) = self.set.keys().find(|name| !names.contains(&name.as_str())) {
@@ -211,18 +217,36 @@ impl ParameterScene {
             let objection = Objection::new(format!("{path}.set.{name}"), message);
             return Err(objection.with_nearest(name, names, all));
         }
+        let mut read = Vec::new();
         for &name in names {
             let of_library = || base.iter().find(|(known, _)| *known == name).map(|(_, v)| *v);
-            let value = self.set.get(name).copied().or_else(of_library).ok_or_else(|| {
+            let given = self.set.get(name).copied().or_else(of_library);
+            let value = given.or_else(|| otherwise(name)).ok_or_else(|| {
                 let message = format!("the parameter `{name}` is missing");
                 Objection::new(path, message).with_help(format!(
                     "give it under `set`, or a `library`; the model needs {}",
                     names.join(", ")
                 ))
             })?;
-            numbers.insert((part, name), value);
+            read.push(((part, name), value));
         }
+        numbers.extend(read);
         Ok(())
+    }
+
+    /// A parameter that may be left out: the density of the strength is that of the equation of state; without a spall strength
+    /// nothing spalls, and with it alone nothing is damaged by strain.
+    fn default_of(&self, part: MaterialPart, name: &str, numbers: &Numbers) -> Option<f64> {
+        match (part, name) {
+            (MaterialPart::Strength, "density") => {
+                numbers.get(&(MaterialPart::Equation, "density")).copied()
+            }
+            (MaterialPart::Damage, "spall_strength") => Some(f64::INFINITY),
+            (MaterialPart::Damage, _) if self.set.keys().eq(["spall_strength"]) => {
+                Some(if name == "d1" { f64::MAX } else { 0.0 })
+            }
+            _ => None,
+        }
     }
 }
 
@@ -292,7 +316,9 @@ impl MaterialScene {
         if self.tension_limit.is_some() && !fluid {
             let message = "a tension limit goes with `mie_gruneisen` without strength only";
             return Err(Objection::new(format!("{path}.tension_limit"), message)
-                .with_help("a solid spalls by `damage`"));
+                .with_help(
+                    "a solid spalls by `damage`: {\"set\": {\"spall_strength\": ..}} with the strength johnson_cook",
+                ));
         }
         if matches!(self.equation, E::Jwl(_)) != self.detonation.is_some() {
             let message = "`detonation` goes with `jwl`, and `jwl` with it";

@@ -6,6 +6,7 @@ pub(crate) mod coordinates;
 pub mod material_scene;
 pub(crate) mod material_schema;
 pub mod method_scene;
+pub(crate) mod plausible;
 pub mod quantity_name;
 pub mod random_field_scene;
 pub mod scene;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use smpm::material::Units;
@@ -25,7 +26,7 @@ pub struct SmpmScene {
     pub units: UnitsScene,
     /// 1 for uniaxial strain, 2 for plane strain or axisymmetric, or 3 (no unit).
     pub dimension: usize,
-    /// Whether the first of two axes is the radius; false without this key.
+    /// Whether the first of two axes is the radius; false without this key. The radius 0 then is a plane of symmetry by itself.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub axisymmetric: bool,
     /// The background grid and its particles.
@@ -86,8 +87,9 @@ pub struct SmpmScene {
 }
 
 /// Systems of units.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(example = Self::Factors { length: 0.0254, mass: 175.127, time: 1.0 })]
 pub enum UnitsScene {
     /// Metre, kilogram, second; stress in pascal.
     Si,
@@ -95,6 +97,21 @@ pub enum UnitsScene {
     CmGUs,
     /// Millimetre, milligram, microsecond; stress in gigapascal.
     MmMgUs,
+    /// Millimetre, kilogram, millisecond; stress in gigapascal.
+    MmKgMs,
+    /// Millimetre, gram, millisecond; stress in megapascal.
+    MmGMs,
+    /// Millimetre, tonne, second; stress in megapascal.
+    MmTonneS,
+    /// Any other: its units of length, mass and time in SI.
+    Factors {
+        /// The unit of length (m).
+        length: f64,
+        /// The unit of mass (kg).
+        mass: f64,
+        /// The unit of time (s).
+        time: f64,
+    },
 }
 
 impl SmpmScene {
@@ -106,13 +123,20 @@ impl SmpmScene {
 
 impl UnitsScene {
     /// Units of the scene.
-    #[must_use]
-    pub const fn units(self) -> Units {
-        match self {
+    ///
+    /// # Errors
+    /// An [`Objection`] to a factor that is not above zero.
+    pub fn units(self) -> Result<Units, Objection> {
+        Ok(match self {
             Self::Si => Units::SI,
             Self::CmGUs => Units::CM_G_US,
             Self::MmMgUs => Units::MM_MG_US,
-        }
+            Self::MmKgMs => Units::MM_KG_MS,
+            Self::MmGMs => Units::MM_G_MS,
+            Self::MmTonneS => Units::MM_TONNE_S,
+            Self::Factors { length, mass, time } => Units::new(length, mass, time)
+                .map_err(|error| Objection::new("units.factors", error.to_string()))?,
+        })
     }
 
     /// Names of length, time, stress, density and velocity.
@@ -122,6 +146,10 @@ impl UnitsScene {
             Self::Si => ["m", "s", "Pa", "kg/m^3", "m/s"],
             Self::CmGUs => ["cm", "us", "Mbar", "g/cm^3", "cm/us"],
             Self::MmMgUs => ["mm", "us", "GPa", "mg/mm^3", "mm/us"],
+            Self::MmKgMs => ["mm", "ms", "GPa", "kg/mm^3", "mm/ms"],
+            Self::MmGMs => ["mm", "ms", "MPa", "g/mm^3", "mm/ms"],
+            Self::MmTonneS => ["mm", "s", "MPa", "t/mm^3", "mm/s"],
+            Self::Factors { .. } => ["L", "T", "M/(L T^2)", "M/L^3", "L/T"],
         }
     }
 
@@ -146,8 +174,14 @@ impl UnitsScene {
 pub struct GridScene {
     /// Edge length of a cell (length of `units`).
     pub cell: f64,
-    /// Particles along the edge of a cell (no unit).
+    /// Particles along the edge of a cell (no unit). One is far too stiff for bodies that bend.
+    #[serde(default = "two")]
     pub particles_per_cell: u32,
+}
+
+/// The usual number of particles along the edge of a cell.
+const fn two() -> u32 {
+    2
 }
 
 /// Time step algorithm.

@@ -137,7 +137,7 @@ fn solve_kept<const D: usize>(
     }
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
-    let (notes, multilevel) = (Vec::new(), None);
+    let (notes, multilevel) = (scene.torn(study.torn()), None);
     let answer = Answer { responses, n_steps, n_runs, cpu_seconds, failures, notes, multilevel };
     Ok(Solved::Whole(answer))
 }

@@ -6,3 +6,4 @@ pub(crate) mod gathered;
 pub(crate) mod interpolation;
 pub(crate) mod observation;
 pub(crate) mod snapshot;
+pub(crate) mod tearing;

@@ -34,6 +34,7 @@ pub struct Study<'a, X, const D: usize> {
     pub(super) experiment: &'a X,
     pub(super) inputs: Box<dyn Inputs>,
     pub(super) runs: Runs<'a, D>,
+    torn: Vec<usize>,
 }
 
 /// Result of [`Study::propagated`].
@@ -91,8 +92,9 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
         let centre = inputs.point(&vec![0.0; inputs.n_normals()]);
         let mut simulation = experiment.simulation(&centre)?;
         range::check(experiment, &*inputs)?;
+        let neighbours = simulation.neighbours();
         let runs = Runs::begin(&mut simulation, plan, keep)?;
-        Ok(Self { experiment, inputs, runs })
+        Ok(Self { experiment, inputs, runs, torn: simulation.torn(&neighbours) })
     }
 
     /// The plan of outputs.
@@ -104,6 +106,12 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
     #[must_use]
     pub fn centre(&self) -> &[f64] {
         self.runs.centre()
+    }
+
+    /// Pairs of neighbours that the grid has torn at the end of the run at the centre, by body: [`Simulation::torn`].
+    #[must_use]
+    pub fn torn(&self) -> &[usize] {
+        &self.torn
     }
 
     /// The steps that all runs take.

@@ -1,0 +1,105 @@
+//! What scenes of bodies are told about their constants, gaps and tears, and debris that closes again.
+
+use serde_json::Value;
+
+use crate::harness::{SceneRun, changed};
+
+const CHARGE: &str = include_str!("../small/smpm/charge.json");
+const BODIES: &str = include_str!("../small/smpm/bodies.json");
+
+/// The plate alone, by one run.
+fn plate(changes: &[(&str, &str)]) -> String {
+    let one = [("'propagated'", "'deterministic'"), ("'fields': true", "'fields': false")];
+    changed(BODIES, &[&one[..], changes].concat())
+}
+
+fn notes(ran: &SceneRun) -> Vec<String> {
+    let notes = ran.result()["notes"].take();
+    let notes = notes.as_array().cloned().unwrap_or_default();
+    notes.iter().filter_map(Value::as_str).map(str::to_owned).collect()
+}
+
+fn says(ran: &SceneRun, words: &str) -> bool {
+    notes(ran).iter().any(|note| note.contains(words))
+}
+
+/// The value of the first quantity at a gauge, at the last time.
+fn value(ran: &SceneRun, gauge: usize) -> f64 {
+    let values = ran.result()["gauges"][gauge]["quantities"][0]["values"].take();
+    values.as_array().unwrap().last().unwrap()["mean"].as_f64().unwrap()
+}
+
+#[test]
+fn bonded_bodies_that_are_apart_are_told_so_and_those_in_contact_are_not() {
+    let moved = ("'from': [2, 0], 'to': [3, 2]", "'from': [3, 0], 'to': [4, 2]");
+    let gauges = [("[2.25, 1]", "[3.25, 1]"), ("[2.75, 1]", "[3.75, 1]")];
+    let apart = [&[moved][..], &gauges].concat();
+    assert!(says(&SceneRun::of(&changed(CHARGE, &apart)), "are 2 cells apart"));
+    assert!(notes(&SceneRun::of(CHARGE)).is_empty());
+    let friction =
+        ("'dimension': 2", "'dimension': 2, 'contact': { 'friction': { 'coefficient': 0 } }");
+    let parted = changed(CHARGE, &[&apart[..], &[friction]].concat());
+    assert!(notes(&SceneRun::of(&parted)).is_empty());
+}
+
+#[test]
+fn one_system_of_units_gives_the_answers_of_another() {
+    let factors = "'units': { 'factors': { 'length': 0.01, 'mass': 0.001, 'time': 1e-6 } }";
+    let with = |units: &str| SceneRun::of(&changed(CHARGE, &[("'units': 'cm_g_us'", units)]));
+    let (named, by_factors) = (with("'units': 'cm_g_us'"), with(factors));
+    for gauge in [0, 1] {
+        assert_eq!(value(&named, gauge), value(&by_factors, gauge));
+    }
+}
+
+#[test]
+fn constants_of_another_system_of_units_are_noted() {
+    let heavy = "{ 'mie_gruneisen': { 'library': 'steel', 'set': { 'density': 7830 } } }";
+    let mass = ("{ 'mie_gruneisen': { 'library': 'steel' } }", heavy);
+    assert!(says(&SceneRun::of(&plate(&[mass])), "density 7830 is 7830000 kg/m^3"));
+    assert!(notes(&SceneRun::of(&plate(&[]))).is_empty());
+}
+
+#[test]
+fn a_bar_that_the_grid_tears_is_told_so() {
+    // An elastic bar of steel that flies apart: its ends part at 1 cm/us.
+    let strength = (
+        "{ 'mie_gruneisen': { 'library': 'steel' } }",
+        "{ 'elastic_bulk': { 'set': { 'density': 7.8, 'bulk_modulus': 1e-6 } } }, 'strength': { 'elastic': { 'set': { 'shear_modulus': 1e-6 } } }",
+    );
+    let wall = ("'kind': 'symmetry'", "'kind': 'clamped'");
+    let random = (
+        "'random': [{ 'parameter': 'steel.equation.s1', 'law': 'normal', 'coefficient_of_variation': 0.05 }],",
+        "",
+    );
+    let away = ("'velocity': [-0.1, 0]", "'velocity': [1, 0]");
+    let torn = SceneRun::of(&plate(&[strength, wall, random, away, ("[0.5, 1, 1.5]", "[6]")]));
+    assert!(says(&torn, "is torn by the grid"), "{:?}", torn.written);
+    let whole = SceneRun::of(&plate(&[strength, wall, random, ("[0.5, 1, 1.5]", "[0.5]")]));
+    assert!(notes(&whole).is_empty(), "{:?}", whole.written);
+}
+
+#[test]
+fn debris_of_lead_runs_to_its_end_and_keeps_its_momentum() {
+    let scene = include_str!("../small/smpm/debris.json");
+    let ran = SceneRun::of(scene);
+    ran.written.as_ref().unwrap();
+    // The ball has pushed the plate's middle ahead, and is slower than before.
+    let (ball, behind) = (value(&ran, 0), value(&ran, 1));
+    assert!(ball < 6.58 && ball > 1.0 && behind > 1.0, "{ball} {behind}");
+}
+
+#[test]
+fn with_a_spall_strength_alone_a_plate_fails_by_tension() {
+    // A thin plate hits a thick one: where their rarefactions meet, it is pulled apart.
+    let damage = "'library': 'steel' } }, 'strength': { 'johnson_cook': { 'library': 'steel' } }, 'damage': { 'set': { 'spall_strength': 0.001 } }";
+    let with = |damage: &str| {
+        let material = ("'library': 'steel' } }", damage);
+        let open = ("'kind': 'symmetry'", "'kind': 'rigid'");
+        let quantity = ("['pressure']", "['damage']");
+        let late = ("[0.5, 1, 1.5]", "[12]");
+        value(&SceneRun::of(&plate(&[material, open, quantity, late])), 0)
+    };
+    assert_eq!(with(damage), 1.0);
+    assert_eq!(with(&damage.replace("0.001", "1000")), 0.0);
+}

@@ -1,0 +1,166 @@
+//! What in the constants of a scene is likely to be a mistake of units: said as a note, never changed.
+
+use result_figures::number::short;
+use scene_runs::scene::Objection;
+use smpm::material::Units;
+
+use super::material_scene::MaterialPart;
+use crate::scene::SmpmScene;
+
+/// A constant in SI, and the range in which those of real materials lie.
+struct Usual {
+    part: MaterialPart,
+    name: &'static str,
+    /// One SI unit in the units of the scene.
+    of_si: fn(&Units) -> f64,
+    unit: &'static str,
+    range: [f64; 2],
+    /// What it may be.
+    mistake: &'static str,
+}
+
+/// One of something without a unit.
+fn none(_: &Units) -> f64 {
+    1.0
+}
+
+/// From aerogel to osmium, from the slowest plastics to diamond, from lead to water, with room to spare.
+const USUAL: [Usual; 7] = [
+    Usual {
+        part: MaterialPart::Equation,
+        name: "density",
+        of_si: |units| units.density(1.0),
+        unit: "kg/m^3",
+        range: [0.05, 25_000.0],
+        mistake: "a density of another system of units",
+    },
+    Usual {
+        part: MaterialPart::Equation,
+        name: "sound_speed",
+        of_si: |units| units.velocity(1.0),
+        unit: "m/s",
+        range: [100.0, 20_000.0],
+        mistake: "a speed of another system of units",
+    },
+    Usual {
+        part: MaterialPart::Equation,
+        name: "s1",
+        of_si: none,
+        unit: "",
+        range: [0.0, 4.0],
+        mistake: "the slope of the shock speed over the particle speed has no unit",
+    },
+    Usual {
+        part: MaterialPart::Strength,
+        name: "shear_modulus",
+        of_si: |units| units.stress(1.0),
+        unit: "Pa",
+        range: [1e4, 1e12],
+        mistake: "a stress of another system of units",
+    },
+    Usual {
+        part: MaterialPart::Strength,
+        name: "specific_heat",
+        of_si: |units| units.specific_heat(1.0),
+        unit: "J/(kg K)",
+        range: [50.0, 15_000.0],
+        mistake: "a heat in J/(kg K), or of another system of units",
+    },
+    Usual {
+        part: MaterialPart::Strength,
+        name: "reference_rate",
+        of_si: |units| units.rate(1.0),
+        unit: "1/s",
+        range: [1e-5, 1e4],
+        mistake: "a rate in 1/s where the unit of time is not the second",
+    },
+    Usual {
+        part: MaterialPart::Strength,
+        name: "melting_temperature",
+        of_si: none,
+        unit: "K",
+        range: [200.0, 5000.0],
+        mistake: "a temperature in another unit, or above that of the room",
+    },
+];
+
+/// Shear modulus over `rho c^2`, of all solids with a sound speed; ten times too far on either side.
+const STIFFNESS: [f64; 2] = [1e-4, 10.0];
+
+impl SmpmScene {
+    /// A note for each constant of a material that no real material has, with the likely mistake.
+    ///
+    /// # Errors
+    /// Those of [`Self::numbers`].
+    pub(crate) fn implausible(&self) -> Result<Vec<String>, Objection> {
+        let units = self.units.units()?;
+        let mut notes = Vec::new();
+        for (material, numbers) in self.numbers()? {
+            let of = |part, name| numbers.get(&(part, name)).copied();
+            for usual in &USUAL {
+                let Usual { part, name, range: [low, high], unit, mistake, .. } = *usual;
+                let one = (usual.of_si)(&units);
+                let Some(value) = of(part, name) else { continue };
+                let in_si = value / one;
+                if in_si < low || in_si > high {
+                    let [is, low, high, in_si_unit] =
+                        [value, low, high, in_si].map(|number| short(Some(number)));
+                    let likely = short(Some(value * one));
+                    notes.push(format!(
+                        "material `{material}`: {name} {is} is {in_si_unit} {unit}; materials have {low} to {high}: {mistake}? {is} {unit} would be {likely}"
+                    ));
+                }
+            }
+            let stiffness = of(MaterialPart::Strength, "shear_modulus")
+                .zip(of(MaterialPart::Equation, "density"))
+                .zip(of(MaterialPart::Equation, "sound_speed"))
+                .map(|((shear, density), speed)| shear / (density * speed * speed));
+            if let Some(stiffness) =
+                stiffness.filter(|it| !(STIFFNESS[0]..=STIFFNESS[1]).contains(it))
+            {
+                notes.push(format!(
+                    "material `{material}`: shear modulus over density times sound speed squared is {}; solids have 0.01 to 1: one of the three is of another system of units?",
+                    short(Some(stiffness))
+                ));
+            }
+        }
+        Ok(notes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::{Value, json};
+
+    fn notes(change: impl FnOnce(&mut Value)) -> Vec<String> {
+        let text = include_str!("../../../../tests/scenes/smpm/taylor_bar.json");
+        let mut scene: Value = serde_json::from_str(text).unwrap();
+        scene["materials"]["copper"]["strength"] =
+            json!({ "johnson_cook": { "library": "copper" } });
+        change(&mut scene);
+        SmpmScene::read("scene.json", &scene.to_string()).unwrap().implausible().unwrap()
+    }
+
+    #[test]
+    fn constants_of_another_system_of_units_are_noted_with_what_they_would_be() {
+        assert_eq!(notes(|_| ()), Vec::<String>::new());
+        for (part, name, value, says) in [
+            ("strength/johnson_cook", "reference_rate", 1.0, "1.00e-6"),
+            ("strength/johnson_cook", "specific_heat", 383.0, "J/(kg K) would be"),
+            ("equation/mie_gruneisen", "density", 8.93e-6, "kg/m^3"),
+            ("equation/mie_gruneisen", "s1", 1490.0, "slope"),
+        ] {
+            let found = notes(|scene| {
+                let materials = scene["materials"].as_object_mut().unwrap();
+                let material = materials.values_mut().next().unwrap();
+                if name == "density" {
+                    // Both densities of the material.
+                    material["strength"]["johnson_cook"]["set"] = json!({ "density": value });
+                }
+                material.pointer_mut(&format!("/{part}")).unwrap()["set"][name] = json!(value);
+            });
+            assert!(found.iter().any(|it| it.contains(name) && it.contains(says)), "{found:?}");
+        }
+    }
+}

@@ -11,7 +11,7 @@ use crate::{LocalFlow, Now, Observed, StrengthFamily};
 parameters! {
     /// What a [`JohnsonCookDamage`] needs besides a flow stress.
     JohnsonCookDamageParameters {
-        /// `D1`, of either sign (no unit).
+        /// `D1`, of either sign; infinite for a particle that no strain breaks (no unit).
         d1,
         /// `D2 >= 0`; `D1 + D2`, the strain at fracture under shear, above zero (no unit).
         d2,
@@ -73,9 +73,11 @@ impl<S: Scalar> JohnsonCookDamage<S> {
         parameters: JohnsonCookDamageParameters<S>,
     ) -> Result<Self, Error> {
         let p = &parameters;
-        finite("d1", p.d1.value())?;
         not_negative("d2", p.d2.value())?;
-        positive("d1 + d2", (p.d1 + p.d2).value())?;
+        if p.d1.value() != f64::INFINITY {
+            finite("d1", p.d1.value())?;
+            positive("d1 + d2", (p.d1 + p.d2).value())?;
+        }
         finite("d3", p.d3.value())?;
         finite("d4", p.d4.value())?;
         finite("d5", p.d5.value())?;
@@ -296,6 +298,33 @@ mod tests {
         assert_eq!(material.carry(-2499.0, &mut state), Ok(-2499.0));
         assert_eq!(material.carry(-2501.0, &mut state), Ok(0.0));
         assert!(state.has_failed() && material.observe(&state).damage >= 1.0);
+    }
+
+    #[test]
+    fn cards_below_zero_break_under_tension_and_an_infinite_strain_never_breaks() {
+        // Above a triaxiality of 1.35 this card's strain at fracture is below zero.
+        let card = JohnsonCookDamageParameters {
+            d1: -0.77,
+            d2: 1.45,
+            d3: -0.47,
+            d4: 0.0,
+            d5: 0.0,
+            spall_strength: f64::INFINITY,
+        };
+        let after_a_step = |parameters, pressure| {
+            let material = JohnsonCookDamage::new(FLOW, parameters).unwrap();
+            let mut state = material.start();
+            material.update(&stretching(1e4, 2e-6), &mut state).unwrap();
+            material.carry(pressure, &mut state).unwrap();
+            (state.flow.plastic_strain, state.damage)
+        };
+        let (strain, damage) = after_a_step(card, -0.33 * 800.0);
+        let at_fracture = -0.77 + 1.45 * (-0.47_f64 * 0.33).exp();
+        assert!(strain > 0.0 && (damage - strain / at_fracture).abs() < 1e-14, "{damage}");
+        assert_eq!(after_a_step(card, -1.45 * 800.0).1, 1.0);
+        let by_tension =
+            JohnsonCookDamageParameters { d1: f64::INFINITY, d2: 0.0, d3: 0.0, ..card };
+        assert_eq!(after_a_step(by_tension, -1.45 * 800.0).1, 0.0);
     }
 
     #[test]

@@ -243,7 +243,7 @@ impl ParameterScene {
             }
             (MaterialPart::Damage, "spall_strength") => Some(f64::INFINITY),
             (MaterialPart::Damage, _) if self.set.keys().eq(["spall_strength"]) => {
-                Some(if name == "d1" { f64::MAX } else { 0.0 })
+                Some(if name == "d1" { f64::INFINITY } else { 0.0 })
             }
             _ => None,
         }

@@ -317,7 +317,7 @@ mod tests {
         let _ = solid.update(&squeezed(1.0, far), &mut state).unwrap();
         state.energy = 10.0;
         assert_eq!(solid.update(&squeezed(far, near), &mut state).unwrap(), Symmetric::zero());
-        // One that bears tension is told what to do.
+        // The error of one that bears tension says what to do.
         let bonded = Solid { equation, strength: Fluid };
         let mut state = Material::<f64>::start(&bonded, [0.0; 3]);
         let _ = bonded.update(&squeezed(1.0, far), &mut state).unwrap();

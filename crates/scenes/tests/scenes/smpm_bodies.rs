@@ -1,4 +1,4 @@
-//! What scenes of bodies are told about their constants, gaps and tears, and debris that closes again.
+//! Notes of scenes of bodies on constants, gaps and tears, and debris that closes again.
 
 use serde_json::Value;
 
@@ -30,7 +30,7 @@ fn value(ran: &SceneRun, gauge: usize) -> f64 {
 }
 
 #[test]
-fn bonded_bodies_that_are_apart_are_told_so_and_those_in_contact_are_not() {
+fn bonded_bodies_that_are_apart_have_a_note_and_those_in_contact_have_none() {
     let moved = ("'from': [2, 0], 'to': [3, 2]", "'from': [3, 0], 'to': [4, 2]");
     let gauges = [("[2.25, 1]", "[3.25, 1]"), ("[2.75, 1]", "[3.75, 1]")];
     let apart = [&[moved][..], &gauges].concat();
@@ -48,7 +48,7 @@ fn one_system_of_units_gives_the_answers_of_another() {
     let with = |units: &str| SceneRun::of(&changed(CHARGE, &[("'units': 'cm_g_us'", units)]));
     let (named, by_factors) = (with("'units': 'cm_g_us'"), with(factors));
     for gauge in [0, 1] {
-        assert_eq!(value(&named, gauge), value(&by_factors, gauge));
+        assert_eq!(value(&named, gauge).to_bits(), value(&by_factors, gauge).to_bits());
     }
 }
 
@@ -61,7 +61,7 @@ fn constants_of_another_system_of_units_are_noted() {
 }
 
 #[test]
-fn a_bar_that_the_grid_tears_is_told_so_and_one_that_swings_back_is_not() {
+fn a_bar_that_the_grid_tears_has_a_note_and_one_that_swings_back_has_none() {
     let bar = include_str!("../small/smpm/hanging_bar.json");
     assert!(says(&SceneRun::of(bar), "`bar` is torn by the grid"));
     assert!(notes(&SceneRun::of(&changed(bar, &[("-1200", "-120")]))).is_empty());
@@ -79,7 +79,7 @@ fn debris_of_lead_runs_to_its_end() {
 
 #[test]
 fn with_a_spall_strength_alone_a_plate_fails_by_tension() {
-    // A thin plate hits a thick one: where their rarefactions meet, it is pulled apart.
+    // A thin plate hits a thick one: where their rarefactions meet, it is in tension.
     let damage = "'library': 'steel' } }, 'strength': { 'johnson_cook': { 'library': 'steel' } }, 'damage': { 'set': { 'spall_strength': 0.001 } }";
     let with = |damage: &str| {
         let material = ("'library': 'steel' } }", damage);
@@ -88,6 +88,6 @@ fn with_a_spall_strength_alone_a_plate_fails_by_tension() {
         let late = ("[0.5, 1, 1.5]", "[12]");
         value(&SceneRun::of(&plate(&[material, open, quantity, late])), 0)
     };
-    assert_eq!(with(damage), 1.0);
-    assert_eq!(with(&damage.replace("0.001", "1000")), 0.0);
+    assert!(with(damage) >= 1.0);
+    assert!(with(&damage.replace("0.001", "1000")) <= 0.0);
 }

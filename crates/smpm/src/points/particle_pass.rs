@@ -54,7 +54,7 @@ impl<'a, S: CarriedNumber, const D: usize> ParticlePass<'a, S, D> {
     /// Over all particles of a body.
     pub(crate) fn over(&self, body: &mut Body<S, D>) -> Summary<D> {
         let mut summary = Summary::none();
-        let pass = Self { transfer: self.transfer.to_body(body), ..*self };
+        let pass = Self { transfer: self.transfer.of_body(body), ..*self };
         let (mut chunk, points) = body.for_pass();
         points.pass(&mut |points| summary = pass.in_halves(&mut chunk, points));
         summary

@@ -40,9 +40,18 @@ struct GroupSums<V, const D: usize> {
 #[derive(Debug, Clone, Copy)]
 struct Wanted {
     change: bool,
-    gradient: bool,
+    slopes: Slopes,
     moment: bool,
-    around: bool,
+}
+
+/// Which slopes of the velocity a pass needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Slopes {
+    None,
+    /// The gradient.
+    Gradient,
+    /// The gradient and the hoop.
+    WithHoop,
 }
 
 /// A chunk of particles, at least [`LANES`] of them.
@@ -124,7 +133,7 @@ impl<const D: usize, const NODES: usize> ChunkInLanes<'_, '_, D, NODES> {
                     nodes[b] = grid.from(chunk.node[groups[b].particle()]);
                 }
                 let mut around = axes[0].value;
-                if transfer.wanted().around {
+                if transfer.wanted().slopes == Slopes::WithHoop {
                     let place = transfer.lattice.group_radii(registers, x[0], (groups, chunk.base));
                     let curvature = transfer.hoop_curvature;
                     around = hoop_weights::<_, NODES>(&axes[0], place, curvature);
@@ -196,7 +205,7 @@ fn sum_row<R: Registers<f64>, const NODES: usize, const D: usize>(
         for c in 0..D {
             let v = velocity[c];
             sums.velocity[c] = sums.velocity[c] + v * value;
-            if wanted.gradient {
+            if wanted.slopes != Slopes::None {
                 sums.steep[c] = sums.steep[c] + v * slope;
             }
             if wanted.moment && i > 0 {
@@ -207,7 +216,7 @@ fn sum_row<R: Registers<f64>, const NODES: usize, const D: usize>(
                 sums.change[c] = sums.change[c] + change[c] * value;
             }
         }
-        if wanted.around {
+        if wanted.slopes == Slopes::WithHoop {
             sums.around = sums.around + velocity[0] * around[i];
         }
     }
@@ -224,7 +233,7 @@ impl<V: Lanes<Number = f64>, const D: usize> GroupSums<V, D> {
         (j, k): (usize, usize),
         wanted: Wanted,
     ) {
-        if wanted.around {
+        if wanted.slopes == Slopes::WithHoop {
             self.around = self.around + row.around * n;
         }
         for c in 0..D {
@@ -233,7 +242,7 @@ impl<V: Lanes<Number = f64>, const D: usize> GroupSums<V, D> {
             if wanted.change {
                 self.change[c] = self.change[c] + row.change[c] * n;
             }
-            if wanted.gradient {
+            if wanted.slopes != Slopes::None {
                 self.gradient[0][c] = self.gradient[0][c] + row.steep[c] * n;
                 for l in 1..D {
                     self.gradient[l][c] = self.gradient[l][c] + row.velocity[c] * grad_n[l];
@@ -259,9 +268,12 @@ impl<const D: usize> GridToParticle<D> {
         let is_velocity = self.pass == Pass::Velocity;
         Wanted {
             change: is_velocity && !self.affine,
-            gradient: !is_velocity,
+            slopes: match self.pass {
+                Pass::Velocity => Slopes::None,
+                Pass::StressAndMove if D == 2 && self.axisymmetric => Slopes::WithHoop,
+                Pass::StressAndMove => Slopes::Gradient,
+            },
             moment: is_velocity && self.affine,
-            around: D == 2 && !is_velocity && self.axisymmetric,
         }
     }
 

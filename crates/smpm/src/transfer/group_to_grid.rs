@@ -84,7 +84,7 @@ impl<const D: usize, const NODES: usize> Work<f64> for TileInLanes<'_, D, NODES>
     /// The usual cases are compiled separately, without a test at each node.
     #[inline(always)]
     fn run<R: Registers<f64>>(mut self, registers: R) {
-        let transfer = self.transfer.from_body(self.body);
+        let transfer = self.transfer.of_body(self.body);
         let flip =
             ParticleToGrid { affine: false, axisymmetric: false, body_force: false, ..transfer };
         match (transfer.given, transfer.affine || transfer.body_force || transfer.axisymmetric) {

@@ -222,7 +222,7 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, N
                 }
             }
             if self.transfer.axisymmetric {
-                hoop = Part::load(registers, &self.transfer.hoop_force(of, p), at);
+                hoop = Part::load(registers, &ParticleToGrid::hoop_force(of, p), at);
             }
         }
         Parts { momentum, mass, force, body_force, hoop, growth }
@@ -432,7 +432,7 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> Work<f64>
     #[inline(always)]
     fn run<R: Registers<f64>>(mut self, registers: R) {
         let mut weights = TaylorWeights::none();
-        self.transfer = self.transfer.from_body(self.body);
+        self.transfer = self.transfer.of_body(self.body);
         let (body, lattice) = (self.body, self.transfer.lattice);
         let ParticleToGrid { axisymmetric, hoop_curvature, .. } = self.transfer;
         let mut around = TaylorWeights::none();

@@ -94,7 +94,7 @@ impl<const D: usize> GridToParticle<D> {
     }
 
     /// The same for the particles of a body.
-    pub(crate) fn to_body<S: CarriedNumber>(&self, body: &Body<S, D>) -> Self {
+    pub(crate) fn of_body<S: CarriedNumber>(&self, body: &Body<S, D>) -> Self {
         let spacing = body.spacing()[0] * self.lattice.per_cell;
         Self { hoop_curvature: self.shape.hoop_curvature(spacing), ..*self }
     }

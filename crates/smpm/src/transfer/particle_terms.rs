@@ -101,7 +101,7 @@ impl<const D: usize> ParticleToGrid<D> {
     }
 
     /// The same for the particles of a body.
-    pub(crate) fn from_body<S: CarriedNumber>(&self, body: &Body<S, D>) -> Self {
+    pub(crate) fn of_body<S: CarriedNumber>(&self, body: &Body<S, D>) -> Self {
         let spacing = body.spacing()[0] * self.lattice.per_cell;
         Self { hoop_curvature: self.shape.hoop_curvature(spacing), ..*self }
     }
@@ -132,7 +132,7 @@ impl<const D: usize> ParticleToGrid<D> {
 
     /// The force of the hoop on the nodes of a particle, along the radius: `-V_p sigma_tt / r`.
     #[inline(always)]
-    pub(crate) fn hoop_force<S: CarriedNumber>(&self, of: &Run<'_, S, D>, p: usize) -> S {
+    pub(crate) fn hoop_force<S: CarriedNumber>(of: &Run<'_, S, D>, p: usize) -> S {
         let Columns { volume, viscosity, stress, .. } = &of.conditions;
         let volume = volume[p] * of.reference_volume[p];
         let hoop = stress[2][p] - viscosity[p];

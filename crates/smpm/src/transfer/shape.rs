@@ -49,7 +49,7 @@ impl Shape {
     /// that is linear in `r`. The quadratic B-spline with an odd number of particles along a cell needs none: its knots then
     /// are at particles.
     pub(crate) fn hoop_curvature(self, spacing: f64) -> f64 {
-        let is_odd = (1.0 / spacing).round() % 2.0 == 1.0;
+        let is_odd = (1.0 / spacing).round() % 2.0 > 0.5;
         match self {
             Self::QuadraticBSpline if is_odd => 0.0,
             Self::QuadraticBSpline => spacing * spacing / 8.0,

@@ -240,7 +240,7 @@ mod tests {
     ) -> Vec<f64> {
         let (mut body, grid) = scene;
         let mut gradients = vec![];
-        let transfer = GridToParticle::of(grid.lattice, config, pass, 0.01).to_body(&body);
+        let transfer = GridToParticle::of(grid.lattice, config, pass, 0.01).of_body(&body);
         let n = body.n_particles();
         for begin in (0..n).step_by(BATCH) {
             let batch = begin..n.min(begin + BATCH);

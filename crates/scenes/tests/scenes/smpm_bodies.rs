@@ -72,14 +72,14 @@ fn debris_of_lead_runs_to_its_end() {
     let scene = include_str!("../small/smpm/debris.json");
     let ran = SceneRun::of(scene);
     ran.written.as_ref().unwrap();
-    // The ball has pushed the plate's middle ahead, and is slower than before.
+    // The middle of the plate flies ahead, and the ball is slower than before.
     let (ball, behind) = (value(&ran, 0), value(&ran, 1));
     assert!(ball < 6.58 && ball > 1.0 && behind > 1.0, "{ball} {behind}");
 }
 
 #[test]
 fn with_a_spall_strength_alone_a_plate_fails_by_tension() {
-    // A thin plate hits a thick one: where their rarefactions meet, it is in tension.
+    // A plate hits a rigid wall, which it may leave: where rarefactions from its free faces meet, it is in tension.
     let damage = "'library': 'steel' } }, 'strength': { 'johnson_cook': { 'library': 'steel' } }, 'damage': { 'set': { 'spall_strength': 0.001 } }";
     let with = |damage: &str| {
         let material = ("'library': 'steel' } }", damage);

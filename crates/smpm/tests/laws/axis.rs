@@ -50,7 +50,7 @@ fn gas_at_rest_in_a_vessel_stays_at_rest_with_any_number_of_particles_a_cell() {
                     let (pressure, velocity) = (body.pressure(p), body.velocity(p));
                     let error = (pressure * GAMMA - 1.0).abs();
                     let speed = velocity[0].hypot(velocity[1]);
-                    // Roundoff that one to two hundred steps have added up.
+                    // Roundoff of the steps. Seen: 3.5e-14 and 1.3e-14, so 3e-13 and 1e-13 are due.
                     assert!(error < 1e-12 && speed < 1e-12, "{what}: {error:e}, {speed:e}");
                 }
             }
@@ -82,7 +82,7 @@ fn a_plane_wave_is_on_the_axis_what_it_is_off_it() {
         assert!(off < -0.005, "{off}");
         for radius in [0.025, 0.075, 0.125, 0.225, 0.525] {
             let error = (row(radius) / off - 1.0).abs();
-            // Seen: 2e-4 (the wave from the rim has not arrived).
+            // Seen: 1.3e-8 (quadratic), 8.4e-8 (cubic), so 5e-7 is due.
             assert!(error < 1e-3, "{shape:?} at {radius}: {error}");
         }
     }
@@ -121,6 +121,7 @@ fn a_ball_of_gas_expands_as_a_ball() {
     assert!(middle > 0.55, "{middle}");
     for other in [equator, pole] {
         let error = (other / middle - 1.0).abs();
+        // Seen: 0.004.
         assert!(error < 0.02, "{equator} {middle} {pole}");
     }
 }

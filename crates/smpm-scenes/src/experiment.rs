@@ -6,13 +6,16 @@ use smpm::uncertainty::{Coefficients, Experiment, Inputs};
 use smpm::{Body, Config, Error, Fill, Number, Simulation};
 
 use super::material_scene::{MaterialPart, MaterialScene, Numbers};
+use super::numbers::{NumberAt, stretched};
 use super::random_fields::PreparedField;
-use super::reading::{MOST_RANDOM, RandomParameter};
+use super::reading::{MOST_RANDOM, RandomParameter, Varied};
+use super::region::BodyRegion;
 use super::scene::SmpmScene;
 
 /// A parsed scene: initial particles, material parameters, and which of them are random.
 #[derive(Debug)]
 pub struct SceneExperiment<const D: usize> {
+    scene: SmpmScene,
     config: Config<D>,
     bodies: Vec<Prepared<D>>,
     fills: Vec<Fill<D>>,
@@ -55,7 +58,42 @@ impl<const D: usize> SceneExperiment<D> {
         let bodies = scene.bodies.iter().enumerate().map(prepare).collect::<Result<_, _>>()?;
         let fields = scene.prepared_fields(&fills)?;
         let (config, random) = (scene.config()?, scene.random_parameters()?);
-        Ok(Self { config, bodies, fills, random, parameters: scene.inputs()?, fields })
+        let (scene, parameters) = (scene.clone(), scene.inputs()?);
+        Ok(Self { scene, config, bodies, fills, random, parameters, fields })
+    }
+
+    /// The experiment with other numbers beside the constants of materials; `None` where these alone are random.
+    fn with_numbers<S: Number>(&self, x: &[S]) -> Option<Result<Self, Objection>> {
+        let of = |(random, value): (&'_ RandomParameter, &S)| match &random.varied {
+            Varied::Constant { .. } => None,
+            Varied::Number { path } => Some((path.clone(), value.value())),
+        };
+        let numbers: Vec<(String, f64)> = self.random.iter().zip(x).filter_map(of).collect();
+        (!numbers.is_empty()).then(|| {
+            let numbers: Vec<NumberAt<'_>> =
+                numbers.iter().map(|(path, value)| (path.as_str(), *value)).collect();
+            self.at_numbers(&numbers)
+        })
+    }
+
+    /// The experiment with other numbers at paths. A body of another size has as many particles as before.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a number with which the scene cannot be.
+    pub(crate) fn at_numbers(&self, numbers: &[NumberAt<'_>]) -> Result<Self, Objection> {
+        let scene = self.scene.with_numbers(numbers)?;
+        let mut varied = Self::new(&scene)?;
+        let sized = numbers.iter().filter_map(|(path, _)| self.scene.sized_body(path));
+        let sized: Vec<usize> = sized.map(|(number, _)| number).collect();
+        for &b in &sized {
+            let region =
+                |scene: &SmpmScene| BodyRegion::of(&scene.bodies[b], &format!("bodies[{b}]"));
+            varied.fills[b] = stretched(&self.fills[b], &region(&self.scene)?, &region(&scene)?);
+        }
+        if !sized.is_empty() {
+            scene.check_bodies::<D>()?;
+        }
+        Ok(varied)
     }
 
     /// The random inputs: coefficients of the fields, or parameters where there are none.
@@ -115,13 +153,27 @@ impl<const D: usize> Experiment<D> for SceneExperiment<D> {
         if value != expected {
             return Err(Error::OtherInputs { value, expected });
         }
+        match self.with_numbers(x) {
+            None => self.of_constants(x),
+            Some(Ok(varied)) => varied.of_constants(x),
+            Some(Err(objection)) => Err(Error::InputsRefused { reason: objection.to_string() }),
+        }
+    }
+}
+
+impl<const D: usize> SceneExperiment<D> {
+    /// The simulation at its start, by the constants of materials among the inputs.
+    fn of_constants<S: Number>(&self, x: &[S]) -> Result<Simulation<S, D>, Error> {
         let body = |(b, (prepared, fill)): (usize, (&Prepared<D>, &Fill<D>))| {
             let own = self.fields.iter().filter(|field| field.material == prepared.material_name);
             let factors: Vec<(&PreparedField, Vec<S>)> =
                 own.map(|field| (field, field.factors(b, x))).collect();
             let of = |particle: usize, part: MaterialPart, name: &'static str| -> S {
-                let random = self.random.iter().zip(x).find(|(random, _)| {
-                    random.key == (part, name) && random.material == prepared.material_name
+                let random = self.random.iter().zip(x).find(|(random, _)| match &random.varied {
+                    Varied::Constant { material, key } => {
+                        *key == (part, name) && *material == prepared.material_name
+                    }
+                    Varied::Number { .. } => false,
                 });
                 if let Some((_, &value)) = random {
                     return value;

@@ -3,6 +3,7 @@
 mod bodies;
 pub mod experiment;
 mod keys;
+mod numbers;
 mod random_fields;
 pub mod reading;
 mod retired;
@@ -11,4 +12,6 @@ pub mod sources;
 
 pub(crate) use self::bodies::region;
 pub(crate) use self::keys::coordinates;
-pub use self::keys::{material_scene, method_scene, quantity_name, random_field_scene, scene};
+pub use self::keys::{
+    material_scene, method_scene, quantity_name, random_field_scene, scene, sweep_scene,
+};

@@ -14,6 +14,7 @@ use uq_estimators::{Error as SamplingError, SobolPoints};
 use super::coordinates::point;
 use super::material_scene::{MaterialPart, MaterialScene, Numbers};
 use super::method_scene::MethodScene;
+use super::numbers::is_path;
 use super::region::BodyRegion;
 use super::retired::RETIRED;
 use super::scene::{
@@ -21,15 +22,30 @@ use super::scene::{
     ShapeScene, SideScene, SmpmScene, TransferScene,
 };
 
-/// A random parameter of a material.
+/// A random parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RandomParameter {
-    /// The name of its material.
-    pub material: String,
-    /// Key of the parameter.
-    pub key: (MaterialPart, &'static str),
+    /// What it is.
+    pub varied: Varied,
     /// Its mean.
     pub mean: f64,
+}
+
+/// What varies from run to run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Varied {
+    /// A constant of a material.
+    Constant {
+        /// The name of the material.
+        material: String,
+        /// Key of the constant.
+        key: (MaterialPart, &'static str),
+    },
+    /// Any other number of the scene: a velocity, a size, a friction coefficient.
+    Number {
+        /// Its path, e.g. `bodies[0].velocity[1]`.
+        path: String,
+    },
 }
 
 /// Largest number of random parameters of a scene: the lanes of a jet.
@@ -72,17 +88,11 @@ impl SmpmScene {
         let mut found: Vec<RandomParameter> = Vec::new();
         for (i, random) in self.random.iter().enumerate() {
             let path = format!("random[{i}].parameter");
-            let (material, name) =
-                random.parameter.split_once('.').unwrap_or((&random.parameter, ""));
-            let Some(of_material) = numbers.get(material) else {
-                return Err(Objection::unknown(&path, "material", material, self.materials.keys()));
-            };
-            let key = MaterialScene::parameter(of_material, name, &path)?;
-            if found.iter().any(|earlier| earlier.material == material && earlier.key == key) {
+            let (varied, mean) = self.varied(&random.parameter, &numbers, &path)?;
+            if found.iter().any(|earlier| earlier.varied == varied) {
                 let message = format!("`{}` is given twice", random.parameter);
                 return Err(Objection::new(path, message));
             }
-            let mean = of_material[&key];
             if mean == 0.0 && random.coefficient_of_variation > 0.0 {
                 let message = format!(
                     "`{}` is 0: a coefficient of variation gives it no deviation",
@@ -91,9 +101,46 @@ impl SmpmScene {
                 let help = "give the parameter a value under `set`, or leave it out of `random`";
                 return Err(Objection::new(path, message).with_help(help));
             }
-            found.push(RandomParameter { material: material.to_owned(), key, mean });
+            found.push(RandomParameter { varied, mean });
         }
         Ok(found)
+    }
+
+    /// The constant or number of a name, and its value.
+    fn varied(
+        &self,
+        name: &str,
+        numbers: &BTreeMap<&str, Numbers>,
+        path: &str,
+    ) -> Result<(Varied, f64), Objection> {
+        let (material, key) = name.split_once('.').unwrap_or((name, ""));
+        if let Some(of_material) = numbers.get(material) {
+            let key = MaterialScene::parameter(of_material, key, path)?;
+            let varied = Varied::Constant { material: material.to_owned(), key };
+            return Ok((varied, of_material[&key]));
+        }
+        if is_path(name) {
+            let mean = self.number(name, path)?;
+            return Ok((Varied::Number { path: name.to_owned() }, mean));
+        }
+        Err(Objection::unknown(path, "material", material, self.materials.keys()))
+    }
+
+    /// Rejects methods by derivatives where a number varies that has none.
+    fn check_number_methods(&self) -> Result<(), Objection> {
+        let has_derivatives =
+            matches!(self.method, MethodScene::Propagated | MethodScene::Frozen { .. });
+        let is_number = |random: &RandomParameter| matches!(random.varied, Varied::Number { .. });
+        let random = self.random_parameters()?;
+        let Some(i) = random.iter().position(is_number).filter(|_| has_derivatives) else {
+            return Ok(());
+        };
+        let message = format!(
+            "`{}`: this method has derivatives by constants of materials alone",
+            self.random[i].parameter
+        );
+        let help = "take `finite_difference`, `sigma_points`, `monte_carlo` or `quasi_monte_carlo`";
+        Err(Objection::new(format!("random[{i}].parameter"), message).with_help(help))
     }
 
     /// The joint distribution of the parameters: those of the scene, then certain ones.
@@ -428,6 +475,8 @@ impl SmpmScene {
     fn check_in<const D: usize>(&self) -> Result<(), Objection> {
         self.check_names()?;
         self.inputs()?;
+        self.check_number_methods()?;
+        self.check_sweep()?;
         self.plan::<D>()?;
         let numbers = self.numbers()?;
         for (name, material) in &self.materials {

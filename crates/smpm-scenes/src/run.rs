@@ -13,6 +13,7 @@ mod samples;
 mod shown;
 mod solve;
 mod solve_error;
+mod sweep;
 
 use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
 use scene_runs::kind::{Completed, Output, Run, RunError, SceneKind};
@@ -45,6 +46,7 @@ fn run(file: &SceneFile, run: &Run<'_>) -> Result<Completed, RunError> {
     let (scene, ()) = run.build::<SmpmScene>(file)?;
     match scene.method {
         MethodScene::Multilevel(_) => run.no_shards_of_a_plan()?,
+        _ if scene.sweep.is_some() => run.no_shards_of_a_plan()?,
         _ if scene.design().is_none() => run.no_shards()?,
         _ => {}
     }
@@ -74,6 +76,13 @@ fn run_in<const D: usize>(
         }
     };
     print(&notes);
+    if let Some(sweep) = &scene.sweep {
+        return sweep::solve::<D>(scene, sweep, notes, run).map_err(|error| match error {
+            SolveError::Solver(error) => in_the_scene(file, scene, error),
+            SolveError::Run(error) => error,
+            SolveError::Scene(objection) => object(objection),
+        });
+    }
     let mut fields = Fields::new(scene, plan.stops(), run.folder());
     let answer = match &scene.method {
         MethodScene::Multilevel(method) => {

@@ -25,3 +25,18 @@ pub const SALTELLI_2010: Source = Source {
      of model output. Design and estimator for the total sensitivity index. Computer Physics Communications 181, 259-270.",
     role: "Sobol' indices",
 };
+
+/// Neyer 1994.
+pub const NEYER_1994: Source = Source {
+    key: "neyer1994",
+    text: "Neyer, B. T. (1994). A D-optimality-based sensitivity test. Technometrics 36(1), 61-70. doi:10.1080/00401706.1994.10485399",
+    role: "choice of the values at which runs are made",
+};
+
+/// Recht and Ipson 1963.
+pub const RECHT_IPSON_1963: Source = Source {
+    key: "rechtipson1963",
+    text: "Recht, R. F. and Ipson, T. W. (1963). Ballistic perforation dynamics. Journal of Applied Mechanics 30(3), 384-390. \
+     doi:10.1115/1.3636566",
+    role: "residual velocity over impact velocity",
+};

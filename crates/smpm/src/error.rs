@@ -68,6 +68,12 @@ pub enum Error {
         /// Why.
         reason: String,
     },
+    /// Inputs with which an experiment cannot be.
+    #[error("{reason}")]
+    InputsRefused {
+        /// What is wrong.
+        reason: String,
+    },
     /// Another number of random inputs, or of their standard normals, than an experiment takes.
     #[error("{value} random inputs; the experiment takes {expected}")]
     OtherInputs {

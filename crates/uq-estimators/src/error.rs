@@ -32,6 +32,14 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A range whose ends are not in order.
+    #[error("the range is from {low} to {high}; its start must be below its end")]
+    EmptyRange {
+        /// Its start.
+        low: f64,
+        /// Its end.
+        high: f64,
+    },
     /// A number of items is below its minimum.
     #[error("{value} {quantity}, at least {limit} needed")]
     TooFew {

@@ -10,7 +10,7 @@ use super::region::BodyRegion;
 use crate::coordinates::point;
 use crate::material_scene::EquationScene;
 use crate::method_scene::MethodScene;
-use crate::scene::{BodyScene, ContactScene, SmpmScene, SolidScene};
+use crate::scene::{BodyScene, ContactScene, ShapeScene, SmpmScene, SolidScene};
 
 /// Largest part of a particle by which a body may miss the size that is asked for, without a note: roundoff.
 const ROUNDOFF: f64 = 1e-6;
@@ -165,6 +165,14 @@ impl SmpmScene {
         bodies.map(note).collect()
     }
 
+    /// Cells from which particles of two bodies share a node.
+    fn reach_in_words(&self) -> &'static str {
+        match self.scheme.shape {
+            Some(ShapeScene::CubicBSpline) => "four",
+            _ => "three",
+        }
+    }
+
     /// A note for each pair of bonded bodies that are apart at the start: they act on each other before they touch, and never part.
     ///
     /// Bodies are as far apart as the boxes about them.
@@ -178,7 +186,7 @@ impl SmpmScene {
         let bounds = |(i, body)| Ok(BodyRegion::<D>::of(body, &format!("bodies[{i}]"))?.bounds());
         let boxes =
             self.bodies.iter().enumerate().map(bounds).collect::<Result<Vec<_>, Objection>>()?;
-        let cell = self.grid.cell;
+        let (cell, reach) = (self.grid.cell, self.reach_in_words());
         let mut notes = Vec::new();
         for later in 1..boxes.len() {
             for earlier in 0..later {
@@ -187,7 +195,7 @@ impl SmpmScene {
                 let gap = (0..D).map(along).fold(f64::NEG_INFINITY, f64::max);
                 if gap > ROUNDOFF * cell {
                     notes.push(format!(
-                        "bodies `{}` and `{}` are {} cells apart and `contact` is bonded: they act on each other from three cells on and stick together; write \"contact\": {{\"friction\": {{\"coefficient\": 0}}}} for bodies that meet and part",
+                        "bodies `{}` and `{}` are {} cells apart and `contact` is bonded: they act on each other from {reach} cells on and stick together; write \"contact\": {{\"friction\": {{\"coefficient\": 0}}}} for bodies that meet and part",
                         self.bodies[earlier].name,
                         self.bodies[later].name,
                         tidy(gap / cell),

@@ -10,3 +10,4 @@ pub(crate) mod plausible;
 pub mod quantity_name;
 pub mod random_field_scene;
 pub mod scene;
+pub mod sweep_scene;

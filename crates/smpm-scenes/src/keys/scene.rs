@@ -13,6 +13,7 @@ use super::material_scene::MaterialScene;
 use super::method_scene::MethodScene;
 use super::quantity_name::QuantityName;
 use super::random_field_scene::RandomFieldScene;
+use super::sweep_scene::SweepScene;
 
 /// Deformable bodies on a background grid: materials, random parameters, and observed quantities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,6 +69,10 @@ pub struct SmpmScene {
     pub random_fields: Vec<RandomFieldScene>,
     /// Method for mean and variance.
     pub method: MethodScene,
+    /// A sweep over one number, which answers where an event begins or how probable it is; none without this key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(example = SweepScene::of_velocity())]
+    pub sweep: Option<SweepScene>,
     /// Gauges, at least one.
     pub gauges: Vec<GaugeScene>,
     /// Observed quantities, at least one.
@@ -358,7 +363,8 @@ pub enum SolidScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomScene {
-    /// `material.part.name`, e.g. `steel.strength.a`; its mean is the value in the scene.
+    /// `material.part.name`, e.g. `steel.strength.a`, or the path of another number of bodies, boundaries, contact or gravity, e.g.
+    /// `bodies[0].velocity[1]`; its mean is the value in the scene.
     pub parameter: String,
     /// Its probability distribution.
     pub law: LawScene,

@@ -48,7 +48,7 @@ pub(super) struct WorkRecord {
 }
 
 /// A sample that failed.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct Failure {
     pub(super) sample: u64,
     pub(super) reason: String,

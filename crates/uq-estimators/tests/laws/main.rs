@@ -13,5 +13,6 @@ mod cube;
 mod designed;
 mod multilevel;
 mod polynomial;
+mod quantal_response;
 mod quantiles;
 mod tails;

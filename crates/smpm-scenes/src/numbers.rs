@@ -1,0 +1,127 @@
+//! Numbers of a scene, beside the constants of its materials, that may be random or swept, each by its path.
+
+use scene_runs::scene::Objection;
+use serde_json::Value;
+use smpm::Fill;
+
+use crate::region::BodyRegion;
+use crate::scene::{BodyScene, SmpmScene, SolidScene};
+
+/// Keys of a scene below which numbers may vary; the grid, times and gauges are the same in all runs.
+const ROOTS: [&str; 4] = ["bodies", "boundaries", "contact", "gravity"];
+
+/// A number at a path.
+pub(crate) type NumberAt<'a> = (&'a str, f64);
+
+/// Whether a name is the path of a number rather than a constant of a material.
+pub(crate) fn is_path(name: &str) -> bool {
+    ROOTS.iter().any(|root| {
+        name.strip_prefix(root).is_some_and(|rest| rest.starts_with(['[', '.']) || rest.is_empty())
+    })
+}
+
+/// A path as messages write it, `bodies[0].velocity[1]`, as a JSON pointer.
+fn pointer(path: &str) -> String {
+    format!("/{}", path.replace(']', "").replace(['[', '.'], "/"))
+}
+
+impl SmpmScene {
+    /// The number at a path.
+    ///
+    /// # Errors
+    /// An [`Objection`] by the key `key` to a path without a number that may vary.
+    pub(crate) fn number(&self, path: &str, key: &str) -> Result<f64, Objection> {
+        let scene = serde_json::to_value(self).unwrap_or_default();
+        let found = scene.pointer(&pointer(path)).filter(|_| is_path(path));
+        // A whole number, such as that of an axis, is written without a point.
+        let Some(number) = found.filter(|it| it.is_f64()).and_then(Value::as_f64) else {
+            let mut known = Vec::new();
+            let root = |root: &str| scene.get(root).map(|value| (root.to_owned(), value.clone()));
+            ROOTS
+                .into_iter()
+                .filter_map(root)
+                .for_each(|(root, value)| list(root, &value, &mut known));
+            return Err(Objection::unknown(key, "number", path, known.iter()));
+        };
+        let size = self.sized_body(path);
+        if let Some((_, body)) = size
+            && !is_stretched(body)
+        {
+            let message = format!("the size of body `{}` cannot vary", body.name);
+            let help = "sizes of boxes, balls and cylinders without `except` may";
+            return Err(Objection::new(key, message).with_help(help));
+        }
+        Ok(number)
+    }
+
+    /// The scene with other numbers at paths.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a path without a number, and to a scene that cannot be.
+    pub(crate) fn with_numbers(&self, numbers: &[NumberAt<'_>]) -> Result<Self, Objection> {
+        let wrong = |path: &str, what: String| Objection::new(path, what);
+        let mut scene = serde_json::to_value(self).map_err(|error| wrong("", error.to_string()))?;
+        for &(path, value) in numbers {
+            let place = scene.pointer_mut(&pointer(path));
+            let place = place.ok_or_else(|| wrong(path, "there is no such number".to_owned()))?;
+            if !value.is_finite() {
+                return Err(wrong(path, format!("the number is {value} and must be finite")));
+            }
+            *place = value.into();
+        }
+        serde_json::from_value(scene).map_err(|error| wrong("", error.to_string()))
+    }
+
+    /// The body of whose size a path is.
+    pub(crate) fn sized_body(&self, path: &str) -> Option<(usize, &BodyScene)> {
+        let (number, key) = path.strip_prefix("bodies[")?.split_once("].")?;
+        let is_size = key.starts_with("shape") || key.starts_with("except");
+        let number = number.parse().ok().filter(|_| is_size)?;
+        self.bodies.get(number).map(|body| (number, body))
+    }
+
+    /// Unit of the number at a path; empty where it has none.
+    pub(crate) fn unit_at(&self, path: &str) -> &'static str {
+        let [length, _, _, _, velocity] = self.units.names();
+        match () {
+            () if self.sized_body(path).is_some() => length,
+            () if path.contains("].velocity[") => velocity,
+            () => "",
+        }
+    }
+}
+
+/// Whether the particles of a body can be stretched with its size.
+fn is_stretched(body: &BodyScene) -> bool {
+    body.except.is_empty() && !matches!(body.shape, SolidScene::Polygon { .. })
+}
+
+/// The particles of a body after a change of its size: as many as before, and stretched, so that responses are continuous.
+pub(crate) fn stretched<const D: usize>(
+    fill: &Fill<D>,
+    before: &BodyRegion<D>,
+    after: &BodyRegion<D>,
+) -> Fill<D> {
+    let ((low, high), (new_low, new_high)) = (before.bounds(), after.bounds());
+    let factor: [f64; D] = std::array::from_fn(|k| (new_high[k] - new_low[k]) / (high[k] - low[k]));
+    let place = |x: &[f64; D]| std::array::from_fn(|k| new_low[k] + (x[k] - low[k]) * factor[k]);
+    Fill {
+        positions: fill.positions.iter().map(place).collect(),
+        spacing: std::array::from_fn(|k| fill.spacing[k] * factor[k]),
+    }
+}
+
+/// The paths of all numbers of a value.
+fn list(path: String, value: &Value, into: &mut Vec<String>) {
+    match value {
+        Value::Array(items) => {
+            let each = items.iter().enumerate();
+            each.for_each(|(i, item)| list(format!("{path}[{i}]"), item, into));
+        }
+        Value::Object(keys) => {
+            keys.iter().for_each(|(key, item)| list(format!("{path}.{key}"), item, into));
+        }
+        Value::Number(number) if number.is_f64() => into.push(path),
+        _ => {}
+    }
+}

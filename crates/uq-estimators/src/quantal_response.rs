@@ -19,18 +19,18 @@ pub struct Trial {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[must_use]
 pub struct ProbabilityBand {
-    /// Posterior mean.
-    pub mean: f64,
+    /// Posterior median.
+    pub value: f64,
     /// Posterior quantiles of 2.5 and 97.5 %.
     pub interval: [f64; 2],
 }
 
 impl ProbabilityBand {
-    /// The larger distance of an end of the interval from the mean.
+    /// The larger distance of an end of the interval from the median.
     #[must_use]
     pub fn half_width(&self) -> f64 {
         let [low, high] = self.interval;
-        (self.mean - low).max(high - self.mean)
+        (self.value - low).max(high - self.value)
     }
 }
 
@@ -125,8 +125,8 @@ impl QuantalResponse {
         let mut of: Vec<(f64, f64)> =
             self.nodes.iter().map(|node| (node.probability(level), node.weight)).collect();
         of.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mean = of.iter().map(|(p, weight)| p * weight).sum();
-        ProbabilityBand { mean, interval: [quantile(&of, 0.025), quantile(&of, 0.975)] }
+        let interval = [quantile(&of, 0.025), quantile(&of, 0.975)];
+        ProbabilityBand { value: quantile(&of, 0.5), interval }
     }
 
     /// Levels of the next trials, of which `first` have been taken, within the range.

@@ -15,4 +15,5 @@ mod run_page;
 mod smpm;
 mod smpm_bodies;
 mod smpm_fields;
+mod smpm_sweep;
 mod sources;

@@ -6,7 +6,7 @@ use scenes::fpk::sources::{
     AU_BECK_2001, CANOR_2013, GIRSANOV_1960, MACKE_2003, ROBERTS_1990, SCHARFETTER_1969,
 };
 use scenes::peridyn::sources::{OHAGAN_2006, PARKS_2008, TIM_2019, VEHTARI_2021, WOOD_2010};
-use scenes::smpm::sources::{CHEN_2019, JOE_KUO_2008, SALTELLI_2010};
+use scenes::smpm::sources::{CHEN_2019, JOE_KUO_2008, NEYER_1994, RECHT_IPSON_1963, SALTELLI_2010};
 
 #[test]
 fn every_source_is_an_entry_of_the_bibliography_with_its_year() {
@@ -22,6 +22,8 @@ fn every_source_is_an_entry_of_the_bibliography_with_its_year() {
         CHEN_2019,
         JOE_KUO_2008,
         SALTELLI_2010,
+        NEYER_1994,
+        RECHT_IPSON_1963,
         PARKS_2008,
         TIM_2019,
         WOOD_2010,

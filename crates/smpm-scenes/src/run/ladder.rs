@@ -22,6 +22,10 @@ const LEFT_OUT: &str = "All trials use the cell of the scene, so the grid error 
 /// Methods that solve a scene, its own first; a single one without random parameters.
 pub(super) fn ladder(file: &SceneFile) -> Result<Ladder, RunError> {
     let scene: SmpmScene = file.parse()?;
+    if scene.sweep.is_some() {
+        let reason = "a sweep has no moments by which methods could be compared";
+        return Err(RunError::NoLadder { solver: "smpm", reason });
+    }
     let mut methods = vec![("deterministic, no variance", MethodScene::Deterministic)];
     if !(scene.random.is_empty() && scene.random_fields.is_empty()) {
         methods = vec![

@@ -132,7 +132,7 @@ pub(super) fn drawings(
     let mut drawings = Vec::new();
     if let Found::Probability(model) = found {
         let of = |value: f64| (value, model.probability(sweep.level(value)));
-        let points = values().map(of).map(|(x, band)| (x, Some(band.mean))).collect();
+        let points = values().map(of).map(|(x, band)| (x, Some(band.value))).collect();
         let line = Line { name: "probit model".to_owned(), points };
         let points = values().map(of).map(|(x, band)| (x, band.interval[0], band.interval[1]));
         let band = Band { points: points.collect() };

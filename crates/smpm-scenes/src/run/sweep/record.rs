@@ -91,7 +91,7 @@ impl SweepContent {
                 Some(Number::sampled(deviation.value * range.abs(), error(deviation)));
             let of = |value: f64| {
                 let band = model.probability(sweep.level(value));
-                ProbabilityAt { value, probability: band.mean, interval: band.interval }
+                ProbabilityAt { value, probability: band.value, interval: band.interval }
             };
             probabilities = sweep.values().into_iter().map(of).collect();
         }

@@ -4,85 +4,55 @@ use result_figures::number::short;
 use scene_runs::scene::Objection;
 use smpm::material::Units;
 
-use super::material_scene::MaterialPart;
+use super::material_scene::MaterialPart::{self, Equation, Strength};
 use crate::scene::SmpmScene;
 
-/// A constant in SI, and the range in which those of real materials lie.
-struct Usual {
-    part: MaterialPart,
-    name: &'static str,
-    /// One SI unit in the units of the scene.
-    of_si: fn(&Units) -> f64,
-    unit: &'static str,
-    range: [f64; 2],
-    /// What it may be.
-    mistake: &'static str,
-}
+/// A constant: its part, name, kind of unit, the range in SI in which those of real materials lie, and what another value may be.
+type Usual = (MaterialPart, &'static str, Kind, [f64; 2], &'static str);
 
-/// One of something without a unit.
-fn none(_: &Units) -> f64 {
-    1.0
+/// Kinds of unit.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Density,
+    Speed,
+    Stress,
+    Heat,
+    Rate,
+    Kelvin,
+    Number,
 }
 
 /// From aerogel to osmium, from the slowest plastics to diamond, from lead to water, with room to spare.
 const USUAL: [Usual; 7] = [
-    Usual {
-        part: MaterialPart::Equation,
-        name: "density",
-        of_si: |units| units.density(1.0),
-        unit: "kg/m^3",
-        range: [0.05, 25_000.0],
-        mistake: "a density of another system of units",
-    },
-    Usual {
-        part: MaterialPart::Equation,
-        name: "sound_speed",
-        of_si: |units| units.velocity(1.0),
-        unit: "m/s",
-        range: [100.0, 20_000.0],
-        mistake: "a speed of another system of units",
-    },
-    Usual {
-        part: MaterialPart::Equation,
-        name: "s1",
-        of_si: none,
-        unit: "",
-        range: [0.0, 4.0],
-        mistake: "the slope of the shock speed over the particle speed has no unit",
-    },
-    Usual {
-        part: MaterialPart::Strength,
-        name: "shear_modulus",
-        of_si: |units| units.stress(1.0),
-        unit: "Pa",
-        range: [1e4, 1e12],
-        mistake: "a stress of another system of units",
-    },
-    Usual {
-        part: MaterialPart::Strength,
-        name: "specific_heat",
-        of_si: |units| units.specific_heat(1.0),
-        unit: "J/(kg K)",
-        range: [50.0, 15_000.0],
-        mistake: "a heat in J/(kg K), or of another system of units",
-    },
-    Usual {
-        part: MaterialPart::Strength,
-        name: "reference_rate",
-        of_si: |units| units.rate(1.0),
-        unit: "1/s",
-        range: [1e-5, 1e4],
-        mistake: "a rate in 1/s where the unit of time is not the second",
-    },
-    Usual {
-        part: MaterialPart::Strength,
-        name: "melting_temperature",
-        of_si: none,
-        unit: "K",
-        range: [200.0, 5000.0],
-        mistake: "a temperature in another unit, or above that of the room",
-    },
+    (Equation, "density", Kind::Density, [0.05, 25_000.0], "a density of another system"),
+    (Equation, "sound_speed", Kind::Speed, [100.0, 20_000.0], "a speed of another system"),
+    (
+        Equation,
+        "s1",
+        Kind::Number,
+        [0.0, 4.0],
+        "the slope of shock over particle speed has no unit",
+    ),
+    (Strength, "shear_modulus", Kind::Stress, [1e4, 1e12], "a stress of another system"),
+    (Strength, "specific_heat", Kind::Heat, [50.0, 15_000.0], "a heat in J/(kg K)"),
+    (Strength, "reference_rate", Kind::Rate, [1e-5, 1e4], "a rate in 1/s"),
+    (Strength, "melting_temperature", Kind::Kelvin, [200.0, 5000.0], "in another unit"),
 ];
+
+impl Kind {
+    /// One SI unit in the units of a scene, and its name.
+    fn of_si(self, units: &Units) -> (f64, &'static str) {
+        match self {
+            Self::Density => (units.density(1.0), "kg/m^3"),
+            Self::Speed => (units.velocity(1.0), "m/s"),
+            Self::Stress => (units.stress(1.0), "Pa"),
+            Self::Heat => (units.specific_heat(1.0), "J/(kg K)"),
+            Self::Rate => (units.rate(1.0), "1/s"),
+            Self::Kelvin => (1.0, "K"),
+            Self::Number => (1.0, ""),
+        }
+    }
+}
 
 /// Shear modulus over `rho c^2`, of all solids with a sound speed; ten times too far on either side.
 const STIFFNESS: [f64; 2] = [1e-4, 10.0];
@@ -97,9 +67,8 @@ impl SmpmScene {
         let mut notes = Vec::new();
         for (material, numbers) in self.numbers()? {
             let of = |part, name| numbers.get(&(part, name)).copied();
-            for usual in &USUAL {
-                let Usual { part, name, range: [low, high], unit, mistake, .. } = *usual;
-                let one = (usual.of_si)(&units);
+            for (part, name, kind, [low, high], mistake) in USUAL {
+                let (one, unit) = kind.of_si(&units);
                 let Some(value) = of(part, name) else { continue };
                 let in_si = value / one;
                 if in_si < low || in_si > high {
@@ -111,9 +80,9 @@ impl SmpmScene {
                     ));
                 }
             }
-            let stiffness = of(MaterialPart::Strength, "shear_modulus")
-                .zip(of(MaterialPart::Equation, "density"))
-                .zip(of(MaterialPart::Equation, "sound_speed"))
+            let stiffness = of(Strength, "shear_modulus")
+                .zip(of(Equation, "density"))
+                .zip(of(Equation, "sound_speed"))
                 .map(|((shear, density), speed)| shear / (density * speed * speed));
             if let Some(stiffness) =
                 stiffness.filter(|it| !(STIFFNESS[0]..=STIFFNESS[1]).contains(it))

@@ -9,8 +9,8 @@ use crate::simulation::Simulation;
 ///
 /// What it refuses, by the errors of the materials it builds, is outside the range of an input.
 pub trait Experiment<const D: usize>: Sync {
-    /// The simulation at its start, with the inputs `x` in the order of the study. Grid, places of particles and steps must not
-    /// depend on them.
+    /// The simulation at its start, with the inputs `x` in the order of the study. Grid, number of particles and steps must not
+    /// depend on them; where jets carry derivatives, nor must the places and velocities of particles.
     ///
     /// # Errors
     /// Where the inputs are out of range, or others than the experiment takes.

@@ -52,6 +52,8 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               sweep methods to where they fail
   schema [--record]           write the schemas of scenes and the page of their keys into
                               target/schema, or into docs
+  materials                   list the materials that scenes of smpm may name: models,
+                              constants in SI, sources
   bench [NAME]... [--record] [-- ARG...]
                               run benchmarks, print ratios to rivals; what follows -- goes
                               to criterion, a first word there is a filter on names;
@@ -71,18 +73,19 @@ Usage: cargo xtask COMMAND [ARGUMENT]...
                               claims of its crate notice? --missing runs those whose source
                               or cases changed; --record writes docs/mutants.md and .json
 
-`cargo xtask --checked COMMAND ...` runs verify, run, advise, merge, chart, stability and schema as
+`cargo xtask --checked COMMAND ...` runs verify, run, advise, merge, chart, stability, schema and materials as
 the tests are built: slower, with checks of overflow, and without another build of everything after `cargo test`.
 
 `cargo xtask COMMAND --help` says more about all of these but bench, ci and gallery.
 ";
 
 /// The commands, and the package whose binary runs each.
-const PACKAGES: [(&str, &str); 7] = [
+const PACKAGES: [(&str, &str); 8] = [
     ("run", "scenes"),
     ("advise", "scenes"),
     ("merge", "scenes"),
     ("schema", "scenes"),
+    ("materials", "scenes"),
     ("chart", "work-precision"),
     ("stability", "work-precision"),
     ("verify", "verification"),

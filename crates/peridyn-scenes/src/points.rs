@@ -52,7 +52,7 @@ impl Cloud {
     /// An [`Objection`] to a file that is missing, is neither `.csv` nor `.vtu`, has no points or more than
     /// 10,000,000, lacks a column, or has an invalid number; it names row and column.
     pub fn read(file: &str, folder: &Path) -> Result<Self, Objection> {
-        let (_, bytes) = read_beside((file, folder), KEY, "the points ")?;
+        let (_, bytes) = NamedFile::beside((file, folder), KEY, "the points ")?;
         Self::of(file, &bytes)
     }
 
@@ -193,17 +193,4 @@ impl Cloud {
         }
         Ok(())
     }
-}
-
-/// Reads a file that a key names, from the folder of the scene. `what` precedes its name in a message.
-pub(crate) fn read_beside(
-    (file, folder): (&str, &Path),
-    key: &str,
-    what: &str,
-) -> Result<(NamedFile, Vec<u8>), Objection> {
-    NamedFile::read(file, folder).map_err(|error| {
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        let help = format!("a path is taken from the folder of the scene, {}", folder.display());
-        Objection::new(key, format!("cannot read {what}{file}: {error}")).with_help(help)
-    })
 }

@@ -41,6 +41,14 @@ pub trait Scene: Sized {
     /// [`WrongKey`] for an unknown, missing or ill-typed key.
     fn from_keys(keys: &Value) -> Result<Self, WrongKey>;
 
+    /// Reads the files that it names, from a folder, before the check.
+    ///
+    /// # Errors
+    /// An [`Objection`] to a file that cannot be read, or to what is in it.
+    fn read_files(&mut self, _folder: &Path) -> Result<(), Objection> {
+        Ok(())
+    }
+
     /// Rejects values that the types allow but the problem does not, e.g. a negative diffusion.
     ///
     /// # Errors
@@ -127,10 +135,10 @@ impl SceneFile {
         }
     }
 
-    /// Parses the scene as a `T` and checks its values.
+    /// Parses the scene as a `T`, reads the files of [`Scene::read_files`], and checks its values.
     ///
     /// # Errors
-    /// [`SceneError`] for an unknown, missing or ill-typed key, and for the objections of [`Scene::check`].
+    /// [`SceneError`] for an unknown, missing or ill-typed key, and for the objections of [`Scene::read_files`] and [`Scene::check`].
     pub fn parse<T: Scene>(&self) -> Result<T, SceneError> {
         Ok(self.build::<T>()?.0)
     }
@@ -141,8 +149,9 @@ impl SceneFile {
     /// Those of [`SceneFile::parse`].
     pub fn build<T: Scene>(&self) -> Result<(T, T::Built), SceneError> {
         let read = T::from_keys(&self.keys);
-        let scene = read.map_err(|wrong| place::locate(&self.origin, T::RETIRED, &wrong))?;
-        let built = scene.check().map_err(|objection| self.object_to(&objection))?;
+        let mut scene = read.map_err(|wrong| place::locate(&self.origin, T::RETIRED, &wrong))?;
+        let built = scene.read_files(&self.folder).and_then(|()| scene.check());
+        let built = built.map_err(|objection| self.object_to(&objection))?;
         Ok((scene, built))
     }
 

@@ -45,6 +45,9 @@ pub enum Command {
     Merge(Merge),
     /// Write the schemas of scenes and the page of all their keys
     Schema(Schema),
+    /// List the materials that scenes of smpm may name, with their constants in SI and sources
+    #[cfg(feature = "smpm")]
+    Materials,
 }
 
 /// Options of `run`.
@@ -227,6 +230,12 @@ pub fn execute(command: Command, output: &mut dyn Write) -> miette::Result<ExitC
             run_scene(&scene, &options, end.ending(), output)
         }
         Command::Schema(arguments) => execute_schema(&arguments, output),
+        #[cfg(feature = "smpm")]
+        Command::Materials => {
+            let list = smpm_scenes::materials::text();
+            output.write_all(list.as_bytes()).map_err(miette::Report::from_err)?;
+            Ok(ExitCode::SUCCESS)
+        }
     }
 }
 

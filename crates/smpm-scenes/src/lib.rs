@@ -3,6 +3,8 @@
 mod bodies;
 pub mod experiment;
 mod keys;
+mod keyword_file;
+pub mod materials;
 mod numbers;
 mod random_fields;
 pub mod reading;
@@ -11,7 +13,8 @@ pub mod run;
 pub mod sources;
 
 pub(crate) use self::bodies::region;
-pub(crate) use self::keys::coordinates;
+pub(crate) use self::keys::{coordinates, material_units};
 pub use self::keys::{
-    material_scene, method_scene, quantity_name, random_field_scene, scene, sweep_scene,
+    keyword_file_scene, material_scene, method_scene, quantity_name, random_field_scene, scene,
+    sweep_scene,
 };

@@ -1,9 +1,12 @@
 //! Conversion of a scene: distributions, configuration, plan and bodies, with their checks.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use perturbation_moments::{Marginal, RandomVector};
-use scene_runs::scene::{Objection, Retired, Scene, SceneError, SceneFile, WrongKey, read_keys};
+use scene_runs::scene::{
+    NamedFile, Objection, Retired, Scene, SceneError, SceneFile, WrongKey, read_keys,
+};
 use serde_json::Value;
 use smpm::{
     Boundary, BoundaryKind, BulkViscosity, Config, Contact, Fill, Gauge, Geometry, Place, Plan,
@@ -72,6 +75,13 @@ impl SmpmScene {
             material.numbers(units, &format!("materials.{name}"))
         };
         self.materials.iter().map(|entry| Ok((entry.0.as_str(), read(entry)?))).collect()
+    }
+
+    /// The files that it names, once they are read.
+    pub(crate) fn files(&self) -> Vec<NamedFile> {
+        let files =
+            self.materials.values().filter_map(|it| it.keyword_file.as_ref()?.read.as_ref());
+        files.map(|(file, _)| file.clone()).collect()
     }
 
     /// The random parameters, in order.
@@ -336,6 +346,14 @@ impl Scene for SmpmScene {
 
     fn from_keys(keys: &Value) -> Result<Self, WrongKey> {
         read_keys(keys)
+    }
+
+    fn read_files(&mut self, folder: &Path) -> Result<(), Objection> {
+        let units = self.units.units()?;
+        for (name, material) in &mut self.materials {
+            material.read_file(folder, &units, &format!("materials.{name}"))?;
+        }
+        Ok(())
     }
 
     fn check(&self) -> Result<(), Objection> {

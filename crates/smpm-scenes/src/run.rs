@@ -67,6 +67,7 @@ fn run_in<const D: usize>(
     let plan = scene.plan::<D>().map_err(object)?;
     let mut notes = scene.rounded_sizes();
     notes.extend(scene.implausible().map_err(object)?);
+    notes.extend(scene.unused_fields());
     notes.extend(scene.bonded_gaps::<D>().map_err(object)?);
     notes.extend(scene.sparse_particles());
     notes.extend(scene.levels_of_one_run());
@@ -75,6 +76,9 @@ fn run_in<const D: usize>(
             run.progress.stage(&format!("note: {note}"));
         }
     };
+    for (material, source) in scene.origins() {
+        run.progress.stage(&format!("{material}: {source}"));
+    }
     print(&notes);
     if let Some(sweep) = &scene.sweep {
         return sweep::solve::<D>(scene, sweep, notes, run).map_err(|error| match error {
@@ -115,6 +119,7 @@ fn run_in<const D: usize>(
             runs: answer.n_runs,
             cpu_seconds: answer.cpu_seconds,
         },
+        files: scene.files(),
         notes,
         random_fields: experiment.fields().iter().map(FieldResult::of).collect(),
         failures: answer.failures.iter().map(failure).collect(),

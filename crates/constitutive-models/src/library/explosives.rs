@@ -1,5 +1,6 @@
 //! Explosives: their products by JWL.
 
+use super::products;
 use crate::{JwlParameters, Units};
 
 /// Trinitrotoluene, its products by JWL.
@@ -13,16 +14,7 @@ use crate::{JwlParameters, Units};
 /// | detonation speed | 6930 m/s | likewise |
 #[must_use]
 pub fn tnt(units: Units) -> JwlParameters<f64> {
-    JwlParameters {
-        density: units.density(1630.0),
-        a: units.stress(371.2e9),
-        b: units.stress(3.231e9),
-        r1: 4.15,
-        r2: 0.95,
-        omega: 0.30,
-        energy: units.stress(7.0e9),
-        detonation_speed: units.velocity(6930.0),
-    }
+    products(units, [1630.0, 371.2e9, 3.231e9, 4.15, 0.95, 0.30, 7.0e9, 6930.0])
 }
 
 /// Composition B, its products by JWL.
@@ -33,14 +25,5 @@ pub fn tnt(units: Units) -> JwlParameters<f64> {
 /// | B, R1, R2, E0, detonation speed | 7.678 GPa, 4.2, 1.1, 8.5 GPa, 7980 m/s | likewise, from memory |
 #[must_use]
 pub fn composition_b(units: Units) -> JwlParameters<f64> {
-    JwlParameters {
-        density: units.density(1717.0),
-        a: units.stress(524.2e9),
-        b: units.stress(7.678e9),
-        r1: 4.2,
-        r2: 1.1,
-        omega: 0.34,
-        energy: units.stress(8.5e9),
-        detonation_speed: units.velocity(7980.0),
-    }
+    products(units, [1717.0, 524.2e9, 7.678e9, 4.2, 1.1, 0.34, 8.5e9, 7980.0])
 }

@@ -16,15 +16,7 @@ use crate::{
 /// | gamma0 | 1.96 | likewise; Steinberg 1996 has 2.02 |
 #[must_use]
 pub fn copper_equation(units: Units) -> MieGruneisenParameters<f64> {
-    MieGruneisenParameters {
-        density: units.density(8930.0),
-        sound_speed: units.velocity(3940.0),
-        s1: 1.49,
-        s2: 0.0,
-        s3: 0.0,
-        gruneisen: 1.96,
-        gruneisen_slope: 0.0,
-    }
+    shock(units, [8930.0, 3940.0, 1.49, 1.96])
 }
 
 /// Copper, OFHC, hardening linearly: the constants with which MPM3D-F90 runs its Taylor bar.
@@ -58,21 +50,8 @@ pub fn copper_linear_hardening(units: Units) -> VonMisesParameters<f64> {
 /// | chi | 0.9 | chosen: Taylor and Quinney 1934 |
 #[must_use]
 pub fn copper_strength(units: Units) -> JohnsonCookParameters<f64> {
-    JohnsonCookParameters {
-        shear_modulus: units.stress(117e9 / (2.0 * 1.35)),
-        a: units.stress(90e6),
-        b: units.stress(292e6),
-        n: 0.31,
-        c: 0.025,
-        m: 1.09,
-        reference_rate: units.rate(1.0),
-        rate_floor: 1.0,
-        room_temperature: 294.0,
-        melting_temperature: 1356.0,
-        taylor_quinney: 0.9,
-        density: units.density(8930.0),
-        specific_heat: units.specific_heat(383.0),
-    }
+    let shear = 117e9 / (2.0 * 1.35);
+    flow(units, [shear, 90e6, 292e6, 0.31, 0.025, 1.09, 1.0, 1356.0, 8930.0, 383.0])
 }
 
 /// Aluminium 6061-T6.
@@ -85,15 +64,7 @@ pub fn copper_strength(units: Units) -> JohnsonCookParameters<f64> {
 /// | gamma0 | 1.97 | likewise |
 #[must_use]
 pub fn aluminium_equation(units: Units) -> MieGruneisenParameters<f64> {
-    MieGruneisenParameters {
-        density: units.density(2700.0),
-        sound_speed: units.velocity(5240.0),
-        s1: 1.40,
-        s2: 0.0,
-        s3: 0.0,
-        gruneisen: 1.97,
-        gruneisen_slope: 0.0,
-    }
+    shock(units, [2700.0, 5240.0, 1.40, 1.97])
 }
 
 /// Aluminium 6061-T6.

@@ -1,6 +1,6 @@
 //! Steels.
 
-use super::{flow, fracture};
+use super::{flow, fracture, shock};
 use crate::{
     JohnsonCookDamageParameters, JohnsonCookParameters, MieGruneisenParameters, Units,
     VonMisesParameters,
@@ -16,15 +16,7 @@ use crate::{
 /// | gamma0, a | 2.17, 0.46 | likewise; the paper's Table 2 |
 #[must_use]
 pub fn steel_equation(units: Units) -> MieGruneisenParameters<f64> {
-    MieGruneisenParameters {
-        density: units.density(7830.0),
-        sound_speed: units.velocity(4569.0),
-        s1: 1.49,
-        s2: 0.0,
-        s3: 0.0,
-        gruneisen: 2.17,
-        gruneisen_slope: 0.46,
-    }
+    MieGruneisenParameters { gruneisen_slope: 0.46, ..shock(units, [7830.0, 4569.0, 1.49, 2.17]) }
 }
 
 /// 4340 steel.
@@ -41,21 +33,7 @@ pub fn steel_equation(units: Units) -> MieGruneisenParameters<f64> {
 /// | chi | 0.9 | likewise: Taylor and Quinney 1934 |
 #[must_use]
 pub fn steel_strength(units: Units) -> JohnsonCookParameters<f64> {
-    JohnsonCookParameters {
-        shear_modulus: units.stress(77.5e9),
-        a: units.stress(792e6),
-        b: units.stress(510e6),
-        n: 0.26,
-        c: 0.014,
-        m: 1.03,
-        reference_rate: units.rate(1.0),
-        rate_floor: 1.0,
-        room_temperature: 294.0,
-        melting_temperature: 1793.0,
-        taylor_quinney: 0.9,
-        density: units.density(7830.0),
-        specific_heat: units.specific_heat(477.0),
-    }
+    flow(units, [77.5e9, 792e6, 510e6, 0.26, 0.014, 1.03, 1.0, 1793.0, 7830.0, 477.0])
 }
 
 /// 4340 steel with the two choices that reproduce Table 6 of Chen et al. (2019), not physical: the reference rate is one per
@@ -80,14 +58,7 @@ pub fn steel_strength_as_published(units: Units) -> JohnsonCookParameters<f64> {
 /// | spall strength | 2.5 GPa | chosen, of the order of spall tests on steels: give your own. It is the tension at which a particle breaks |
 #[must_use]
 pub fn steel_damage(units: Units) -> JohnsonCookDamageParameters<f64> {
-    JohnsonCookDamageParameters {
-        d1: 0.05,
-        d2: 3.44,
-        d3: -2.12,
-        d4: 0.002,
-        d5: 0.61,
-        spall_strength: units.stress(2.5e9),
-    }
+    fracture(units, [0.05, 3.44, -2.12, 0.002, 0.61, 2.5e9])
 }
 
 /// The structural steel Weldox 460 E; with the equation of state of [`steel_equation`] at its density.

@@ -1,5 +1,6 @@
 //! Water.
 
+use super::shock;
 use crate::{MieGruneisenParameters, Units};
 
 /// Water; to be wrapped in a [`TensionCutOff`](crate::TensionCutOff).
@@ -17,13 +18,5 @@ use crate::{MieGruneisenParameters, Units};
 /// most 0.1, 5, 9 and 2 %.
 #[must_use]
 pub fn water(units: Units) -> MieGruneisenParameters<f64> {
-    MieGruneisenParameters {
-        density: units.density(1000.0),
-        sound_speed: units.velocity(1480.0),
-        s1: 2.56,
-        s2: -1.986,
-        s3: 0.2268,
-        gruneisen: 0.5,
-        gruneisen_slope: 0.0,
-    }
+    MieGruneisenParameters { s2: -1.986, s3: 0.2268, ..shock(units, [1000.0, 1480.0, 2.56, 0.5]) }
 }

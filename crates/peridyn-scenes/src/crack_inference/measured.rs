@@ -12,7 +12,6 @@ use serde::Serialize;
 
 use super::scene::{InferenceScene, LoadScene};
 use crate::points::csv::{Wrong, number, rows};
-use crate::points::read_beside;
 
 const PATHS: &str = "measured.paths";
 const LOADS: &str = "measured.failure_loads";
@@ -68,7 +67,7 @@ impl Measured {
     }
 
     fn file(&mut self, key: &str, name: &str, folder: &Path) -> Result<Vec<u8>, Objection> {
-        let (file, bytes) = read_beside((name, folder), key, "")?;
+        let (file, bytes) = NamedFile::beside((name, folder), key, "")?;
         self.files.push(file);
         Ok(bytes)
     }

@@ -7,6 +7,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use twox_hash::XxHash64;
 
+use super::error::Objection;
+
 /// A file that a scene names, identified by its bytes: its contents may change under the same path.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamedFile {
@@ -24,6 +26,23 @@ impl NamedFile {
     pub fn read(path: &str, folder: &Path) -> io::Result<(Self, Vec<u8>)> {
         let bytes = read_at_most(&folder.join(path), MOST_BYTES)?;
         Ok((Self::of(path, &bytes), bytes))
+    }
+
+    /// Reads a file that a key names, from the folder of the scene. `what` precedes its name in a message.
+    ///
+    /// # Errors
+    /// An [`Objection`] at the key, for the errors of [`read`](Self::read).
+    pub fn beside(
+        (file, folder): (&str, &Path),
+        key: &str,
+        what: &str,
+    ) -> Result<(Self, Vec<u8>), Objection> {
+        Self::read(file, folder).map_err(|error| {
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            let help =
+                format!("a path is taken from the folder of the scene, {}", folder.display());
+            Objection::new(key, format!("cannot read {what}{file}: {error}")).with_help(help)
+        })
     }
 
     /// The identity of a file with these bytes.

@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use crate::harness::{SceneRun, changed};
 use crate::peridyn::inference;
+use crate::smpm_bodies::cards;
 
 /// The rows of `mistakes/*.json`: parts of a small scene that are replaced, in which `'` is `"`; the path of the key at which the mistake
 /// is shown; a part of the message; and, where it is given, the text under which the message points.
@@ -14,8 +15,10 @@ fn mistakes_are_shown_where_they_are() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
     let read = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
     let files = inference::files();
-    let files: Vec<(&str, &[u8])> =
+    let mut files: Vec<(&str, &[u8])> =
         files.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+    let cards = cards();
+    files.extend(cards.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
     let mut n_rows = 0;
     for table in ["fpk", "smpm", "peridyn"] {
         let rows: Value = serde_json::from_str(&read(&format!("mistakes/{table}.json"))).unwrap();

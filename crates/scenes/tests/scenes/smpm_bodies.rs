@@ -7,6 +7,17 @@ use crate::harness::{SceneRun, changed};
 const CHARGE: &str = include_str!("../small/smpm/charge.json");
 const BODIES: &str = include_str!("../small/smpm/bodies.json");
 
+/// Files beside the scenes; the first has a comment that is not UTF-8.
+pub(crate) fn cards() -> [(&'static str, Vec<u8>); 4] {
+    let steel = include_bytes!("../small/smpm/steel.k");
+    [
+        ("steel.k", [b"$ \xe4\n", steel.as_slice()].concat()),
+        ("steel_by_commas.k", include_bytes!("../small/smpm/steel_by_commas.k").to_vec()),
+        ("cards.k", include_bytes!("../small/smpm/cards.k").to_vec()),
+        ("long.k", include_bytes!("../small/smpm/long.k").to_vec()),
+    ]
+}
+
 /// The plate alone, by one run.
 fn plate(changes: &[(&str, &str)]) -> String {
     let one = [("'propagated'", "'deterministic'"), ("'fields': true", "'fields': false")];
@@ -90,4 +101,34 @@ fn with_a_spall_strength_alone_a_plate_fails_by_tension() {
     };
     assert!(with(damage) >= 1.0);
     assert!(with(&damage.replace("0.001", "1000")) <= 0.0);
+}
+
+#[test]
+fn cards_of_a_keyword_file_give_the_run_of_the_library_and_the_page_names_them() {
+    let text = include_str!("../small/smpm/cards.json");
+    let files = cards();
+    let files = files.each_ref().map(|(name, bytes)| (*name, bytes.as_slice()));
+    let run = |changes: &[(&str, &str)]| SceneRun::beside(&changed(text, changes), &files);
+    let by_columns = run(&[]);
+    let by_commas = run(&[("steel.k", "steel_by_commas.k"), ("mm_kg_ms", "mm_tonne_s")]);
+    let library = run(&[
+        (",\n      'keyword_file': { 'path': 'steel.k', 'units': 'mm_kg_ms' }", ""),
+        ("{ 'set': { 'taylor_quinney': 0.9, 'rate_floor': 1 } }", "{ 'library': 'steel' }"),
+        ("'damage': {}", "'damage': { 'library': 'steel' }"),
+        ("{ 'mie_gruneisen': {} }", "{ 'mie_gruneisen': { 'library': 'steel' } }"),
+    ]);
+    let expected = value(&library, 0);
+    for ran in [&by_columns, &by_commas] {
+        let error = (value(ran, 0) / expected - 1.0).abs();
+        assert!(error < 1e-12, "{error:e}");
+    }
+    assert!(says(&by_columns, "without effect in *MAT_JOHNSON_COOK 7: VP 1"));
+    assert_eq!(by_columns.result()["files"][0]["path"], "steel.k");
+    for (ran, words) in [
+        (&by_columns, "steel.k, *EOS_GRUNEISEN 9 and *MAT_JOHNSON_COOK 7"),
+        (&library, "johnson_cook: `steel` of the library, 4340, Johnson and Cook 1983"),
+    ] {
+        let page = std::fs::read_to_string(ran.out().join("index.html")).unwrap();
+        assert!(page.contains(words), "{words}");
+    }
 }

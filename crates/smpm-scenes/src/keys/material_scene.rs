@@ -6,7 +6,7 @@ use result_figures::number::tidy;
 use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use smpm::material::library::{ENTRIES, entry};
+use smpm::material::library::{ALL, entry};
 use smpm::material::{
     Detonation, ElasticBulk, ElasticBulkParameters, ElasticShear, ElasticShearParameters, Fluid,
     JohnsonCook, JohnsonCookDamage, JohnsonCookDamageParameters, JohnsonCookParameters, Jwl,
@@ -16,6 +16,7 @@ use smpm::material::{
 };
 use smpm::{Number, ParameterError};
 
+use super::keyword_file_scene::KeywordFileScene;
 use super::material_schema;
 
 /// A material: equation of state and strength model.
@@ -28,13 +29,18 @@ pub struct MaterialScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthScene>,
     /// Johnson-Cook damage, for the strength `johnson_cook` only; none without this key. With `spall_strength` alone a particle fails by
-    /// tension and by nothing else; without it, by strain and by nothing else.
+    /// tension and by nothing else; without it, by strain and by nothing else. Where the strength is
+    /// of a `keyword_file`, the constants that are not set are too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "material_schema::damage", example = ParameterScene::of_library("steel"))]
     pub damage: Option<ParameterScene>,
     /// Largest tension of a fluid (stress of `units`); unlimited without this key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tension_limit: Option<f64>,
+    /// File with constants that neither `set` nor `library` of a part gives; none without this key.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(example = KeywordFileScene::example())]
+    pub keyword_file: Option<KeywordFileScene>,
     /// Programmed burn of an explosive; required with `jwl`, and only valid with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub detonation: Option<DetonationScene>,
@@ -74,7 +80,7 @@ pub enum StrengthScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterScene {
-    /// Library entry of the parameters; without it all must be set.
+    /// Library entry of the parameters; without it all must be set, or in the file of the material.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub library: Option<String>,
     /// Parameters that the library lacks, or that differ from it.
@@ -168,7 +174,7 @@ impl StrengthScene {
         given.library = Some(library.to_owned());
     }
 
-    fn parts(&self) -> (&'static str, Names, &ParameterScene) {
+    pub(super) fn parts(&self) -> (&'static str, Names, &ParameterScene) {
         match self {
             Self::Elastic(given) => ("elastic", ElasticShearParameters::<f64>::NAMES, given),
             Self::VonMises(given) => ("von_mises", VonMisesParameters::<f64>::NAMES, given),
@@ -181,7 +187,7 @@ impl StrengthScene {
 
 /// Names of the library that have a model.
 fn with_model(model: &str) -> Vec<&'static str> {
-    ENTRIES.into_iter().filter(|name| entry(model, name, Units::SI).is_some()).collect()
+    ALL.iter().filter(|entry| entry.model == model).map(|entry| entry.name).collect()
 }
 
 impl ParameterScene {
@@ -200,9 +206,12 @@ impl ParameterScene {
         (part, model, names): (MaterialPart, &str, Names),
         units: Units,
         path: &str,
+        of_file: &Numbers,
         numbers: &mut Numbers,
     ) -> Result<(), Objection> {
-        let otherwise = |name: &str| self.default_of(part, name, numbers);
+        let otherwise = |name: &'static str| {
+            of_file.get(&(part, name)).copied().or_else(|| self.default_of(part, name, numbers))
+        };
         let base = match &self.library {
             None => Vec::new(),
             Some(name) => entry(model, name, units).ok_or_else(|| {
@@ -251,24 +260,34 @@ impl ParameterScene {
 }
 
 impl MaterialScene {
+    /// Its models: part, key, names of the parameters, and those given.
+    pub(crate) fn models(&self) -> Vec<(MaterialPart, &'static str, Names, &ParameterScene)> {
+        let (key, names, given) = self.equation.parts();
+        let mut models = vec![(MaterialPart::Equation, key, names, given)];
+        if let Some((key, names, given)) = self.strength.as_ref().map(StrengthScene::parts) {
+            models.push((MaterialPart::Strength, key, names, given));
+        }
+        let names = JohnsonCookDamageParameters::<f64>::NAMES;
+        models.extend(self.damage.iter().map(|it| (MaterialPart::Damage, "damage", names, it)));
+        models
+    }
+
     /// All its parameters.
     ///
     /// # Errors
     /// An [`Objection`] to a missing or unknown parameter, and to incompatible parts.
     pub fn numbers(&self, units: Units, path: &str) -> Result<Numbers, Objection> {
         let mut numbers = Numbers::new();
-        let (key, names, given) = self.equation.parts();
-        let at = format!("{path}.equation.{key}");
-        given.read((MaterialPart::Equation, key, names), units, &at, &mut numbers)?;
-        if let Some(strength) = &self.strength {
-            let (key, names, given) = strength.parts();
-            let at = format!("{path}.strength.{key}");
-            given.read((MaterialPart::Strength, key, names), units, &at, &mut numbers)?;
-        }
-        if let Some(given) = &self.damage {
-            let names = JohnsonCookDamageParameters::<f64>::NAMES;
-            let at = format!("{path}.damage");
-            given.read((MaterialPart::Damage, "damage", names), units, &at, &mut numbers)?;
+        let read = self.keyword_file.as_ref().and_then(|file| file.read.as_ref());
+        let of_file = read.map(|(_, constants)| &constants.numbers);
+        let none = Numbers::new();
+        for (part, key, names, given) in self.models() {
+            let at = match part {
+                MaterialPart::Equation => format!("{path}.equation.{key}"),
+                MaterialPart::Strength => format!("{path}.strength.{key}"),
+                MaterialPart::Damage => format!("{path}.damage"),
+            };
+            given.read((part, key, names), units, &at, of_file.unwrap_or(&none), &mut numbers)?;
         }
         self.check_parts(path)?;
         Self::check_density(&numbers, path)?;

@@ -2,7 +2,7 @@
 
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
-use smpm::material::library::{ENTRIES, entry};
+use smpm::material::library::{ALL, entry};
 use smpm::material::{
     ElasticBulkParameters, ElasticShearParameters, JohnsonCookDamageParameters,
     JohnsonCookParameters, JwlParameters, MieGruneisenParameters, NeoHookeanParameters,
@@ -42,7 +42,7 @@ fn parameters(model: &str, names: &[&'static str], meanings: &[&str]) -> Schema 
         (name.to_owned(), json!({ "description": of_units(meaning), "type": "number" }))
     };
     let mut numbers: Map<String, Value> = names.iter().zip(meanings).map(parameter).collect();
-    let entries: Vec<&str> = ENTRIES.into_iter().filter(|name| library(name).is_some()).collect();
+    let entries: Vec<&str> = ALL.iter().filter(|it| it.model == model).map(|it| it.name).collect();
     let Some(first) = entries.first() else {
         return object(&json!({ "set": set("All parameters.", &numbers, names) }), &["set"]);
     };
@@ -57,7 +57,7 @@ fn parameters(model: &str, names: &[&'static str], meanings: &[&str]) -> Schema 
     );
     let mut anew = set(&about, &numbers, &[]);
     anew["examples"] = json!(examples);
-    let about = "Library entry of the parameters; without it all must be set.";
+    let about = "Library entry of the parameters; without it all must be set, or in the file of the material.";
     let entry = json!({ "description": about, "type": "string", "enum": entries });
     object(&json!({ "library": entry, "set": anew }), &[])
 }

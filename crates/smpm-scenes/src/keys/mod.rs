@@ -3,8 +3,11 @@
 //! Types are as the JSON is written. They know no run, file or answer.
 
 pub(crate) mod coordinates;
+pub mod keyword_file_scene;
+pub(crate) mod material_origin;
 pub mod material_scene;
 pub(crate) mod material_schema;
+pub(crate) mod material_units;
 pub mod method_scene;
 pub(crate) mod plausible;
 pub mod quantity_name;

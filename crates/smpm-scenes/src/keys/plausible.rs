@@ -2,57 +2,24 @@
 
 use result_figures::number::short;
 use scene_runs::scene::Objection;
-use smpm::material::Units;
 
 use super::material_scene::MaterialPart::{self, Equation, Strength};
+use super::material_units::unit;
 use crate::scene::SmpmScene;
 
-/// A constant: its part, name, kind of unit, the range in SI in which those of real materials lie, and what another value may be.
-type Usual = (MaterialPart, &'static str, Kind, [f64; 2], &'static str);
-
-/// Kinds of unit.
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    Density,
-    Speed,
-    Stress,
-    Heat,
-    Rate,
-    Kelvin,
-    Number,
-}
+/// A constant: its part and name, the range in SI in which those of real materials lie, and what another value may be.
+type Usual = (MaterialPart, &'static str, [f64; 2], &'static str);
 
 /// From aerogel to osmium, from the slowest plastics to diamond, from lead to water, with room to spare.
 const USUAL: [Usual; 7] = [
-    (Equation, "density", Kind::Density, [0.05, 25_000.0], "a density of another system"),
-    (Equation, "sound_speed", Kind::Speed, [100.0, 20_000.0], "a speed of another system"),
-    (
-        Equation,
-        "s1",
-        Kind::Number,
-        [0.0, 4.0],
-        "the slope of shock over particle speed has no unit",
-    ),
-    (Strength, "shear_modulus", Kind::Stress, [1e4, 1e12], "a stress of another system"),
-    (Strength, "specific_heat", Kind::Heat, [50.0, 15_000.0], "a heat in J/(kg K)"),
-    (Strength, "reference_rate", Kind::Rate, [1e-5, 1e4], "a rate in 1/s"),
-    (Strength, "melting_temperature", Kind::Kelvin, [200.0, 5000.0], "in another unit"),
+    (Equation, "density", [0.05, 25_000.0], "a density of another system of units"),
+    (Equation, "sound_speed", [100.0, 20_000.0], "a speed of another system of units"),
+    (Equation, "s1", [0.0, 4.0], "the slope of a shock speed has no unit"),
+    (Strength, "shear_modulus", [1e4, 1e12], "a stress of another system of units"),
+    (Strength, "specific_heat", [50.0, 15_000.0], "a heat of another system of units"),
+    (Strength, "reference_rate", [1e-5, 1e4], "a rate in 1/s with another unit of time"),
+    (Strength, "melting_temperature", [200.0, 5000.0], "a temperature in another unit"),
 ];
-
-impl Kind {
-    /// One SI unit in the units of a scene, and its name.
-    fn of_si(self, units: &Units) -> (f64, &'static str) {
-        match self {
-            Self::Density => (units.density(1.0), "kg/m^3"),
-            Self::Speed => (units.velocity(1.0), "m/s"),
-            Self::Stress => (units.stress(1.0), "Pa"),
-            Self::Heat => (units.specific_heat(1.0), "J/(kg K)"),
-            Self::Rate => (units.rate(1.0), "1/s"),
-            Self::Kelvin => (1.0, "K"),
-            Self::Number => (1.0, ""),
-        }
-    }
-}
 
 /// Shear modulus over `rho c^2`, of all solids with a sound speed; ten times too far on either side.
 const STIFFNESS: [f64; 2] = [1e-4, 10.0];
@@ -67,16 +34,17 @@ impl SmpmScene {
         let mut notes = Vec::new();
         for (material, numbers) in self.numbers()? {
             let of = |part, name| numbers.get(&(part, name)).copied();
-            for (part, name, kind, [low, high], mistake) in USUAL {
-                let (one, unit) = kind.of_si(&units);
+            for (part, name, [low, high], mistake) in USUAL {
+                let (in_si_unit, of_si) = unit(name);
+                let one = of_si(&units, 1.0);
                 let Some(value) = of(part, name) else { continue };
                 let in_si = value / one;
                 if in_si < low || in_si > high {
-                    let [is, low, high, in_si_unit] =
+                    let [is, low, high, in_si] =
                         [value, low, high, in_si].map(|number| short(Some(number)));
                     let likely = short(Some(value * one));
                     notes.push(format!(
-                        "material `{material}`: {name} {is} is {in_si_unit} {unit}; materials have {low} to {high}: {mistake}? {is} {unit} would be {likely}"
+                        "material `{material}`: {name} {is} is {in_si} {in_si_unit}; materials have {low} to {high}: {mistake}? {is} {in_si_unit} would be {likely}"
                     ));
                 }
             }

@@ -31,6 +31,9 @@ pub(super) fn report(scene: &SmpmScene, content: &Content) -> Report {
     report.fact("method", method_words(&scene.method));
     report.counts(&content.work);
     report.fact("errors", "those of the method on this grid; the error of the grid is in no number: halve the cell and compare");
+    for (material, source) in scene.origins() {
+        report.fact(&material, source);
+    }
     if has_trust(content) {
         let text = format!(
             "below {CURVED} the variance of first order is mostly accurate within one per cent"

@@ -1,5 +1,6 @@
 //! Keys of `result.json` of a scene of bodies: schema `response-moments/1`.
 
+use scene_runs::scene::NamedFile;
 use serde::Serialize;
 use smpm::{Plan, Quantity};
 
@@ -12,6 +13,9 @@ use crate::scene::SmpmScene;
 #[derive(Debug, Serialize)]
 pub(super) struct Content {
     pub(super) work: WorkRecord,
+    /// Files that the scene names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) files: Vec<NamedFile>,
     /// Where the bodies differ from those of the scene, and what a reader must know of the estimate.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) notes: Vec<String>,

@@ -40,7 +40,7 @@ pub(super) fn shards<const D: usize>(
     run: &Run<'_>,
 ) -> Result<Option<Responses>, RunError> {
     let Some(design) = scene.design() else { return Ok(None) };
-    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
+    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &scene.files() };
     let Some(shards) = run.shards::<Responses>(inputs)? else { return Ok(None) };
     let samples: Responses = shards.into_iter().flatten().collect();
     for responses in samples.values() {
@@ -75,7 +75,7 @@ pub(super) fn sampled<const D: usize>(
 ) -> Result<Samples, RunError> {
     let Requested { scene, study, design } = *requested;
     let plan = study.plan();
-    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &[] };
+    let inputs = &Inputs { scene, seed: Some(design.seed()), files: &scene.files() };
     let each = (SAMPLES_OF_THREAD * rayon::current_num_threads()) as u64;
     let n_runs = design.n_runs().map_err(RunError::solver)?;
     let range = run.range(n_runs);

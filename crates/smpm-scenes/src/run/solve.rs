@@ -78,7 +78,7 @@ pub(super) fn checkpoint<'a>(
         Some(design) => (Some(design.seed()), ASIDE_OF_SAMPLES.as_slice()),
         None => (None, ASIDE.as_slice()),
     };
-    run.checkpoint(&Inputs { scene, seed, files: &[] }, aside).map(Some)
+    run.checkpoint(&Inputs { scene, seed, files: &scene.files() }, aside).map(Some)
 }
 
 /// Solves the scene with runs that resume from stored ones.

@@ -284,7 +284,8 @@ impl Law {
 
 fn solid(equation: EquationScene, strength: StrengthScene) -> MaterialScene {
     let strength = Some(strength);
-    MaterialScene { equation, strength, damage: None, tension_limit: None, detonation: None }
+    let (damage, tension_limit, keyword_file, detonation) = (None, None, None, None);
+    MaterialScene { equation, strength, damage, tension_limit, keyword_file, detonation }
 }
 
 /// The material of the benchmark: its pressure is linear in the volume, `K (1 - J)`.

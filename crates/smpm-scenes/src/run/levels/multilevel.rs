@@ -45,7 +45,7 @@ pub(in crate::run) fn solve<const D: usize>(
     fields: &mut Fields<'_>,
     run: &Run<'_>,
 ) -> Result<Solved, SolveError> {
-    let inputs = Inputs { scene, seed: Some(method.seed), files: &[] };
+    let inputs = Inputs { scene, seed: Some(method.seed), files: &scene.files() };
     let kept = KeptRuns::new(Some(run.checkpoint(&inputs, &ASIDE)?), run);
     let solved = solve_kept(scene, method, (experiment, plan), fields, run, &kept);
     // The study knows only that it was not kept.

@@ -13,7 +13,7 @@ pub mod run;
 pub mod sources;
 
 pub(crate) use self::bodies::region;
-pub(crate) use self::keys::{coordinates, material_units};
+pub(crate) use self::keys::{coordinates, material_part, material_units};
 pub use self::keys::{
     keyword_file_scene, material_scene, method_scene, quantity_name, random_field_scene, scene,
     sweep_scene,

@@ -1,15 +1,11 @@
 //! A file of material cards that a material names.
 
-use std::path::Path;
-
-use scene_runs::scene::{NamedFile, Objection};
+use scene_runs::scene::NamedFile;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use smpm::material::Units;
 
-use super::material_scene::{MaterialPart, MaterialScene};
-use super::scene::UnitsScene;
-use crate::keyword_file::{Cards, Constants};
+use super::units_scene::UnitsScene;
+use crate::keyword_file::Constants;
 
 /// A keyword file of LS-DYNA that has constants of a material. Includes, parameters, expressions and the long format are not read.
 ///
@@ -39,47 +35,5 @@ impl KeywordFileScene {
     pub(super) fn example() -> Self {
         let (path, units) = ("steel.k".to_owned(), UnitsScene::MmKgMs);
         Self { path, units, mid: None, eosid: None, read: None }
-    }
-}
-
-impl MaterialScene {
-    /// Reads constants that are neither set nor of the library from the file that it names, if any.
-    pub(crate) fn read_file(
-        &mut self,
-        folder: &Path,
-        units: &Units,
-        path: &str,
-    ) -> Result<(), Objection> {
-        let Some(file) = &self.keyword_file else { return Ok(()) };
-        let key = format!("{path}.keyword_file");
-        let from = file.units.units().map_err(|objection| Objection {
-            path: format!("{key}.{}", objection.path),
-            ..objection
-        })?;
-        let named = NamedFile::beside((&file.path, folder), &format!("{key}.path"), "")?;
-        // Titles and comments may be in any encoding; a number is in ASCII.
-        let text = String::from_utf8_lossy(&named.1);
-        // Damage is of the same card as the strength.
-        let has_flow = matches!(&self.strength, Some(it) if it.parts().2.library.is_none());
-        let models = self.models().into_iter().filter(|(part, .., given)| {
-            given.library.is_none() && (*part != MaterialPart::Damage || has_flow)
-        });
-        let wanted = models.map(|(part, model, names, given)| {
-            let names = names.iter().copied().filter(|name| !given.set.contains_key(*name));
-            (part, model, names.collect())
-        });
-        let cards = Cards::of(&text, &key, &file.path);
-        let constants =
-            Constants::of(&cards, &wanted.collect(), [file.mid, file.eosid], [&from, units])?;
-        if constants.numbers.is_empty() {
-            let message = "no constant of this material is taken from the file";
-            return Err(Objection::new(key, message).with_help(
-                "it has those of mie_gruneisen, jwl, johnson_cook, damage and von_mises that neither `set` nor `library` gives",
-            ));
-        }
-        if let Some(file) = &mut self.keyword_file {
-            file.read = Some((named.0, constants));
-        }
-        Ok(())
     }
 }

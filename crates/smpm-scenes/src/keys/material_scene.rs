@@ -17,6 +17,7 @@ use smpm::material::{
 use smpm::{Number, ParameterError};
 
 use super::keyword_file_scene::KeywordFileScene;
+pub use super::material_part::{MaterialPart, Numbers};
 use super::material_schema;
 
 /// A material: equation of state and strength model.
@@ -97,25 +98,6 @@ pub struct DetonationScene {
     /// Number of cells over which the front is spread (no unit).
     pub cells: f64,
 }
-
-/// MaterialPart of a material that a parameter belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum MaterialPart {
-    /// The equation of state.
-    Equation,
-    /// The strength.
-    Strength,
-    /// The damage.
-    Damage,
-}
-
-impl MaterialPart {
-    const ALL: [(Self, &'static str); 3] =
-        [(Self::Equation, "equation"), (Self::Strength, "strength"), (Self::Damage, "damage")];
-}
-
-/// Parameters of a material.
-pub type Numbers = BTreeMap<(MaterialPart, &'static str), f64>;
 
 type Names = &'static [&'static str];
 

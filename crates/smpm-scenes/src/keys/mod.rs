@@ -5,6 +5,7 @@
 pub(crate) mod coordinates;
 pub mod keyword_file_scene;
 pub(crate) mod material_origin;
+pub(crate) mod material_part;
 pub mod material_scene;
 pub(crate) mod material_schema;
 pub(crate) mod material_units;
@@ -14,3 +15,4 @@ pub mod quantity_name;
 pub mod random_field_scene;
 pub mod scene;
 pub mod sweep_scene;
+pub(crate) mod units_scene;

@@ -7,7 +7,7 @@ use scene_runs::scene::Objection;
 use smpm::material::Units;
 
 use super::cards::{Card, CardKind, Cards};
-use crate::material_scene::{MaterialPart, Numbers};
+use crate::material_part::{MaterialPart, Numbers};
 use crate::material_units::unit;
 
 const JOHNSON_COOK: CardKind = (
@@ -134,10 +134,10 @@ fn unsupported(keyword: &str, field: &str) -> Option<&'static str> {
         ("MAT_JOHNSON_COOK", "RATEOP") => "a flow stress not linear in the logarithm of the rate",
         ("MAT_JOHNSON_COOK", "DMODEL") => "a damage that is not that of Johnson and Cook",
         ("MAT_JOHNSON_COOK", "EFMIN") => "a least strain at fracture other than 1e-6",
-        ("MAT_PLASTIC_KINEMATIC", "SRC" | "SRP") => "hardening by the rate of Cowper and Symonds",
+        ("MAT_PLASTIC_KINEMATIC", "SRC" | "SRP") => "the rate law of Cowper and Symonds",
         ("MAT_PLASTIC_KINEMATIC", "FS") => "failure at a plastic strain",
         ("MAT_HIGH_EXPLOSIVE_BURN", "BETA") => "burn by compression alone",
-        ("EOS_GRUNEISEN", "E0" | "LCID") => "energy at the start",
+        ("EOS_GRUNEISEN", "E0" | "LCID") => "an energy at the start",
         (_, "V0") => "a volume at the start other than 1",
         _ => return None,
     })

@@ -64,6 +64,9 @@ pub(crate) const FEWEST_SAMPLES: u64 = 8;
 /// A typing error in the cell size gives many more, and is reported before they are created.
 const MOST_PLACES: f64 = 1e7;
 
+/// Most triangles that are visited to fill a body: some seconds.
+const MOST_VISITS: f64 = 2e8;
+
 impl SmpmScene {
     /// The parameters of every material.
     ///
@@ -81,7 +84,7 @@ impl SmpmScene {
     pub(crate) fn files(&self) -> Vec<NamedFile> {
         let files =
             self.materials.values().filter_map(|it| it.keyword_file.as_ref()?.read.as_ref());
-        files.map(|(file, _)| file.clone()).collect()
+        files.map(|(file, _)| file.clone()).chain(self.shape_files()).collect()
     }
 
     /// The random parameters, in order.
@@ -290,12 +293,15 @@ impl SmpmScene {
     /// The initial particles of a body.
     ///
     /// # Errors
-    /// An [`Objection`] to a point of another dimension, and to a lattice of more than 10^7 points.
+    /// An [`Objection`] to a point of another dimension, and to a lattice of more than 10^7 points, or one that takes too long to fill.
     pub fn fill<const D: usize>(&self, body: usize) -> Result<Fill<D>, Objection> {
         let path = format!("bodies[{body}]");
         let region = BodyRegion::<D>::of(&self.bodies[body], &path)?;
         let spacing = [self.grid.cell / f64::from(self.grid.particles_per_cell); D];
-        let (low, high) = region.bounds();
+        if let Some(listed) = region.listed() {
+            return Ok(listed);
+        }
+        let (low, high) = region.lattice(spacing[0]);
         let along = |k: usize| ((high[k] - low[k]) / spacing[k]).max(1.0);
         let places: f64 = (0..D).map(along).product();
         if places > MOST_PLACES {
@@ -303,6 +309,14 @@ impl SmpmScene {
                 "{path}: {places:.3e} lattice points for particles; at most {MOST_PLACES:e}"
             );
             return Err(Objection::new("grid.cell", message));
+        }
+        let visits = places * region.n_visited();
+        if visits > MOST_VISITS {
+            let message = format!(
+                "{path}: {visits:.3e} triangles to compare with points; at most {MOST_VISITS:e}"
+            );
+            let help = "take a larger cell, or a surface of fewer triangles that are not as long";
+            return Err(Objection::new("grid.cell", message).with_help(help));
         }
         Fill::of(spacing, (low, high), |x| region.holds(x))
             .map_err(|error| Objection::new("grid.cell", format!("{path}: {error}")))
@@ -353,7 +367,7 @@ impl Scene for SmpmScene {
         for (name, material) in &mut self.materials {
             material.read_file(folder, &units, &format!("materials.{name}"))?;
         }
-        Ok(())
+        self.read_shapes(folder)
     }
 
     fn check(&self) -> Result<(), Objection> {

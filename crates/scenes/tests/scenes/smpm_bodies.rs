@@ -132,3 +132,78 @@ fn cards_of_a_keyword_file_give_the_run_of_the_library_and_the_page_names_them()
         assert!(page.contains(words), "{words}");
     }
 }
+
+/// An octahedron of radius 10 in text.
+fn octahedron(turned: bool) -> String {
+    let mut text = String::from("solid tip\n");
+    for number in 0..8 {
+        let side = |k: usize| if number >> k & 1 == 0 { 10 } else { -10 };
+        let mut corners = [[side(0), 0, 0], [0, side(1), 0], [0, 0, side(2)]];
+        if turned != (side(0) * side(1) * side(2) < 0) {
+            corners.swap(0, 1);
+        }
+        text += "facet normal 0 0 0\nouter loop\n";
+        corners.iter().for_each(|[x, y, z]| text += &format!("vertex {x} {y} {z}\n"));
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid tip\n"
+}
+
+#[test]
+fn a_projectile_from_a_file_hits_a_plate_and_another_file_is_another_run() {
+    let tip = "{ 'name': 'tip', 'material': 'steel', 'velocity': [0, 0, 0.1], 'shape': { 'surface': { 'file': 'tip.stl', 'scale': 0.1, 'shift': [1, 0, -1] } } }";
+    let scene = plate(&[
+        ("'dimension': 2", "'dimension': 3"),
+        ("'from': [0, 0], 'to': [4, 2]", "'from': [0, -1, 0], 'to': [2, 1, 0.5]"),
+        ("'velocity': [-0.1, 0]\n    }", &format!("'velocity': [0, 0, 0] }}, {tip}")),
+        ("'at': [1, 1]", "'at': [1, 0, 0.25]"),
+    ]);
+    let ran = SceneRun::beside(&scene, &[("tip.stl", octahedron(false).as_bytes())]);
+    let result = ran.result();
+    println!("{} {}", result["work"], value(&ran, 0));
+    assert_eq!(result["files"][0]["path"], "tip.stl");
+    std::fs::write(ran.folder().join("tip.stl"), octahedron(true)).unwrap();
+    let refused = ran.resume(&scene).unwrap_err().to_string();
+    assert!(refused.contains("tip.stl"), "{refused}");
+}
+
+#[test]
+fn particles_from_a_file_are_those_of_the_box_that_they_fill() {
+    let list: String = (0..128)
+        .map(|n| {
+            format!("{}, {}\n", 0.125 + 0.25 * f64::from(n % 16), 0.125 + 0.25 * f64::from(n / 16))
+        })
+        .collect();
+    let files = [("plate.csv", list.as_bytes())];
+    let shape = (
+        "{ 'box': { 'from': [0, 0], 'to': [4, 2] } }",
+        "{ 'points': { 'file': 'plate.csv', 'spacing': 0.25 } }",
+    );
+    let listed = SceneRun::beside(&plate(&[shape]), &files);
+    assert_eq!(value(&listed, 0).to_bits(), value(&SceneRun::of(&plate(&[])), 0).to_bits());
+    let material = "'material': 'steel',";
+    let other = format!(
+        "'bodies': [{{ 'name': 'other', {material} 'shape': {{ 'box': {{ 'from': [3.9, 1], 'to': [6, 2] }} }} }},"
+    );
+    for (change, words) in [
+        (
+            (material, "'material': 'steel', 'rotation': { 'about': [0, 0], 'degrees': 1 },"),
+            "from a file are not rotated",
+        ),
+        (
+            (
+                material,
+                "'material': 'steel', 'except': [{ 'points': { 'file': 'plate.csv', 'spacing': 1 } }],",
+            ),
+            "no region to cut out",
+        ),
+        (
+            ("'deterministic'", "{ 'multilevel': { 'tolerance': 0.1, 'seed': 3 } }"),
+            "listed for one grid alone",
+        ),
+        (("'bodies': [", other.as_str()), "overlap: "),
+    ] {
+        let ran = SceneRun::beside(&plate(&[change, shape]), &files);
+        assert!(ran.mistake().message.contains(words), "{}", ran.mistake().message);
+    }
+}

@@ -29,6 +29,10 @@ impl SmpmScene {
     pub(crate) fn check_bodies<const D: usize>(&self) -> Result<(), Objection> {
         let (mut regions, mut fills) = (Vec::new(), Vec::new());
         for (i, body) in self.bodies.iter().enumerate() {
+            if self.axisymmetric && body.rotation.is_some() {
+                let message = "a rotated region is not symmetric about the axis of a scene";
+                return Err(Objection::new(format!("bodies[{i}].rotation"), message));
+            }
             let fill = self.fill::<D>(i)?;
             if fill.positions.is_empty() {
                 let message = format!("body `{}` holds no particle", body.name);
@@ -112,7 +116,10 @@ impl SmpmScene {
         let spacing = self.grid.cell / f64::from(self.grid.particles_per_cell);
         let mut notes = Vec::new();
         for body in &self.bodies {
-            let SolidScene::Box { from, to } = &body.shape else { continue };
+            // A rotated box is not filled by whole layers.
+            let (SolidScene::Box { from, to }, None) = (&body.shape, &body.rotation) else {
+                continue;
+            };
             for (axis, (from, to)) in from.iter().zip(to).enumerate() {
                 let asked = to - from;
                 // A layer counts if its middle lies inside.

@@ -4,7 +4,7 @@ use result_figures::number::tidy;
 use scene_runs::scene::Objection;
 
 use crate::method_scene::{MethodScene, MultilevelScene};
-use crate::scene::{GridScene, SmpmScene, SolidScene};
+use crate::scene::{BodyScene, GridScene, SmpmScene, SolidScene};
 
 /// Largest part of a cell by which a size may miss a whole number of cells: roundoff.
 const ROUNDOFF: f64 = 1e-6;
@@ -25,11 +25,17 @@ impl SmpmScene {
     /// # Errors
     /// An [`Objection`] to the coarsest cell, or if there is no coarser grid than that of the scene.
     pub(crate) fn cells(&self, method: &MultilevelScene) -> Result<Vec<f64>, Objection> {
+        let is_listed = |body: &BodyScene| matches!(body.shape, SolidScene::Points { .. });
+        if let Some(body) = self.bodies.iter().find(|body| is_listed(body)) {
+            let message =
+                format!("the particles of body `{}` are listed for one grid alone", body.name);
+            return Err(Objection::new("method.multilevel", message));
+        }
         let mut cells = vec![self.grid.cell];
         let misfit = loop {
             let cell = 2.0 * cells[cells.len() - 1];
             let limit = method.coarsest_cell;
-            if limit.is_some_and(|limit| cell > limit * (1.0 + ROUNDOFF)) {
+            if !cell.is_finite() || limit.is_some_and(|limit| cell > limit * (1.0 + ROUNDOFF)) {
                 break None;
             }
             let misfit = self.misfit(cell);
@@ -93,7 +99,16 @@ impl SmpmScene {
                     }
                     // Of the box about it: an inclined edge is cut into particles on any grid.
                     SolidScene::Polygon { corners } => (extents(corners), true),
+                    SolidScene::Surface { read, .. } => {
+                        let length = |(low, high): ([f64; 3], [f64; 3])| {
+                            low.iter().zip(high).map(|(low, high)| high - low).collect()
+                        };
+                        (read.as_ref().map_or_else(Vec::new, |it| length(it.bounds)), false)
+                    }
+                    SolidScene::Points { .. } => continue,
                 };
+                // Steps of a rotated surface are on any grid.
+                let is_box = is_box && body.rotation.is_none();
                 for (axis, length) in lengths.iter().enumerate() {
                     let cells = length / cell;
                     if (is_box && !is_whole(cells)) || cells < 1.0 - ROUNDOFF {

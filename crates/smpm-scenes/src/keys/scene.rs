@@ -1,6 +1,7 @@
 //! A scene of bodies on a grid as written in its JSON file.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,6 +14,8 @@ use super::quantity_name::QuantityName;
 use super::random_field_scene::RandomFieldScene;
 use super::sweep_scene::SweepScene;
 pub use super::units_scene::UnitsScene;
+use crate::point_list::PointList;
+use crate::surface::Surface;
 
 /// Deformable bodies on a background grid: materials, random parameters, and observed quantities.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -243,9 +246,31 @@ pub struct BodyScene {
     /// Region cut out of it; none without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub except: Vec<SolidScene>,
+    /// Rotation of its shape and of the regions cut out; none without this key.
+    ///
+    /// Particles stay on the lattice of the grid, so that the surface of a rotated body has steps. Its velocity is not rotated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(example = RotationScene { about: vec![0.0, 0.0], axis: vec![], degrees: 20.0 })]
+    pub rotation: Option<RotationScene>,
     /// Its initial velocity along each axis (length/time of `units`); at rest without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub velocity: Vec<f64>,
+}
+
+/// A rotation, in two dimensions with plane strain or in three.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RotationScene {
+    /// A point that it leaves in place (length of `units`).
+    #[schemars(example = vec![0.0, 0.0])]
+    pub about: Vec<f64>,
+    /// Direction of its axis in three dimensions (no unit); without this key in the plane.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![0.0, 0.0, 1.0])]
+    pub axis: Vec<f64>,
+    /// Its angle, counterclockwise seen from the tip of the axis (degrees).
+    #[schemars(example = 20.0)]
+    pub degrees: f64,
 }
 
 /// A region of space.
@@ -281,6 +306,43 @@ pub enum SolidScene {
         /// Its corners in the order of the boundary, each once, at least three (length of `units`).
         corners: Vec<Vec<f64>>,
     },
+    /// What a surface of triangles encloses, in three dimensions.
+    ///
+    /// The surface is closed. A cavity is bounded by triangles of the opposite orientation.
+    Surface {
+        /// Path of an STL file, text or binary, from the folder of the scene.
+        #[schemars(example = "projectile.stl")]
+        file: String,
+        /// Factor of its coordinates (no unit).
+        #[serde(default = "one")]
+        #[schemars(example = 0.1)]
+        scale: f64,
+        /// Shift along each axis, after scaling (length of `units`); none without this key.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        #[schemars(example = vec![0.0, 0.0, 1.5])]
+        shift: Vec<f64>,
+        /// The surface.
+        #[serde(skip)]
+        read: Option<Arc<Surface>>,
+    },
+    /// The particles themselves. They need not be on a lattice; the count of torn pairs takes those that are about a spacing apart.
+    Points {
+        /// Path of a file with their places from the folder of the scene: a column for each axis, separated by blanks or commas (length of
+        /// `units`).
+        #[schemars(example = "particles.csv")]
+        file: String,
+        /// Edge length of the box that each represents (length of `units`): its power by the dimension is the volume of a particle.
+        #[schemars(example = 0.05)]
+        spacing: f64,
+        /// The places.
+        #[serde(skip)]
+        read: Option<Arc<PointList>>,
+    },
+}
+
+/// The scale of a file in units of the scene.
+const fn one() -> f64 {
+    1.0
 }
 
 /// A random parameter.

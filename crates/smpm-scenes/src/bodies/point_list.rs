@@ -49,15 +49,17 @@ impl PointList {
             if let Some(first) = lines.insert(place.map(f64::to_bits), line) {
                 return Err(format!("line {line} has the particle of line {first}"));
             }
+            if list.places.len() == MOST_POINTS {
+                return Err(format!("has more than {MOST_POINTS} particles"));
+            }
             list.places.push(place);
             list.boxes.insert(list.lattice_box(&place));
         }
-        let n = list.places.len();
-        if n == 0 || n > MOST_POINTS {
-            return Err(format!("has {n} particles; there must be 1 to {MOST_POINTS}"));
+        let (n, n_boxes) = (list.places.len(), list.boxes.len());
+        if n == 0 {
+            return Err("has no particles".to_owned());
         }
-        if n > MOST_IN_BOX * list.boxes.len() {
-            let n_boxes = list.boxes.len();
+        if n > MOST_IN_BOX * n_boxes {
             return Err(format!("has {n} particles in {n_boxes} boxes of the spacing {spacing}"));
         }
         Ok(list)
@@ -85,14 +87,14 @@ mod tests {
         };
         let places = vec![[1.0, 2.0, 0.0], [0.001, 0.0, 0.0]];
         assert_eq!(read("# x, y\r\n 1, 2\r\n\n1e-3\t-0\n"), Ok(places));
-        let crowd: String = (0..9).map(|n| format!("{} 0\n", 0.01 * f64::from(n))).collect();
+        let crowd = "0 0\n1e-2 0\n2e-2 0\n3e-2 0\n4e-2 0\n5e-2 0\n6e-2 0\n7e-2 0\n8e-2 0\n";
         for (text, words) in [
-            ("#\n", "has 0 particles"),
+            ("#\n", "has no particles"),
             ("1 2\n1\n", "line 2 has 1 columns, not 2"),
             ("1 2\n1 secret\n", "line 2 column 2 is no finite number"),
             ("1 nan\n", "line 1 column 2 is no finite number"),
             ("1 0\n\n1 -0\n", "line 3 has the particle of line 1"),
-            (&crowd, "has 9 particles in 1 boxes of the spacing 0.5"),
+            (crowd, "has 9 particles in 1 boxes of the spacing 0.5"),
         ] {
             let message = read(text).unwrap_err();
             assert!(message.contains(words), "{message}");

@@ -51,23 +51,22 @@ impl Surface {
             // A blank after the first word is taken for granted.
             bytes.insert(5, b' ');
         }
-        // Its own message has text of the file.
-        let mesh = stl_io::read_stl(&mut Cursor::new(bytes))
-            .map_err(|error| format!("cannot be read as STL: {}", error.kind()))?;
-        let n = mesh.faces.len();
-        if n == 0 || n > MOST_TRIANGLES {
-            return Err(format!("has {n} triangles; there must be 1 to {MOST_TRIANGLES}"));
-        }
+        // The message of the reader has text of the file.
+        let broken = |error: std::io::Error| format!("cannot be read as STL: {}", error.kind());
+        let mut bytes = Cursor::new(bytes);
+        let reader = stl_io::create_stl_reader(&mut bytes).map_err(broken)?;
         // The last sum makes one zero of the two.
-        let place = |x: &stl_io::Vertex| {
-            std::array::from_fn(|k| scale * f64::from(x.0[k]) + shift[k] + 0.0)
-        };
-        let corners: Vec<[f64; 3]> = mesh.vertices.iter().map(place).collect();
-        if corners.iter().flatten().any(|x| !x.is_finite()) {
+        let place =
+            |x: stl_io::Vertex| std::array::from_fn(|k| scale * f64::from(x.0[k]) + shift[k] + 0.0);
+        let triangles = reader.take(MOST_TRIANGLES + 1).map(|it| Ok(it?.vertices.map(place)));
+        let triangles: Vec<Triangle> = triangles.collect::<Result<_, _>>().map_err(broken)?;
+        let n = triangles.len();
+        if n == 0 || n > MOST_TRIANGLES {
+            return Err(format!("has no triangles, or more than {MOST_TRIANGLES}"));
+        }
+        if triangles.iter().flatten().flatten().any(|x| !x.is_finite()) {
             return Err("has a corner that is not finite".to_owned());
         }
-        let triangles: Vec<Triangle> =
-            mesh.faces.iter().map(|face| face.vertices.map(|number| corners[number])).collect();
         check_closed(&triangles)?;
         let fold = |start: f64, of: fn(f64, f64) -> f64| {
             std::array::from_fn(|k| triangles.iter().flatten().map(|x| x[k]).fold(start, of))
@@ -186,7 +185,7 @@ pub(crate) mod tests {
         let corner = |i: usize, j: usize| {
             let [polar, around] =
                 [i, j % (2 * n)].map(|k| std::f64::consts::PI * k as f64 / n as f64);
-            let sin = if i % n == 0 { 0.0 } else { polar.sin() };
+            let sin = if i.is_multiple_of(n) { 0.0 } else { polar.sin() };
             [sin * around.cos(), sin * around.sin(), polar.cos()]
         };
         let of = |i: usize, j: usize| {
@@ -257,9 +256,9 @@ pub(crate) mod tests {
             ),
             (binary(&turned), "edges 0 are of one triangle, and 3 of two"),
             (binary(&infinite), "not finite"),
-            (binary(&[]), "has 0 triangles"),
+            (binary(&[]), "has no triangles"),
             (binary(&ball)[..1000].to_vec(), "neither text nor of 64 triangles"),
-            (text(""), "has 0 triangles"),
+            (text(""), "has no triangles"),
             (text("endsolid a\nsolid b\n"), "more or less than one solid"),
             (text("facet normal 0 0 secret\n"), "as STL: invalid data"),
         ] {

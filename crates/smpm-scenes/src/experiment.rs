@@ -6,7 +6,7 @@ use smpm::uncertainty::{Coefficients, Experiment, Inputs};
 use smpm::{Body, Config, Error, Fill, Number, Simulation};
 
 use super::material_scene::{MaterialPart, MaterialScene, Numbers};
-use super::numbers::{NumberAt, stretched};
+use super::numbers::{NumberAt, moved};
 use super::random_fields::PreparedField;
 use super::reading::{MOST_RANDOM, RandomParameter, Varied};
 use super::region::BodyRegion;
@@ -76,21 +76,21 @@ impl<const D: usize> SceneExperiment<D> {
         })
     }
 
-    /// The experiment with other numbers at paths. A body of another size has as many particles as before.
+    /// The experiment with other numbers at paths. A body of another size or rotation has as many particles as before.
     ///
     /// # Errors
     /// An [`Objection`] to a number with which the scene cannot be.
     pub(crate) fn at_numbers(&self, numbers: &[NumberAt<'_>]) -> Result<Self, Objection> {
         let scene = self.scene.with_numbers(numbers)?;
         let mut varied = Self::new(&scene)?;
-        let sized = numbers.iter().filter_map(|(path, _)| self.scene.sized_body(path));
-        let sized: Vec<usize> = sized.map(|(number, _)| number).collect();
-        for &b in &sized {
+        let of_bodies = numbers.iter().filter_map(|(path, _)| self.scene.moved_body(path));
+        let of_bodies: Vec<usize> = of_bodies.map(|(number, _)| number).collect();
+        for &b in &of_bodies {
             let region =
                 |scene: &SmpmScene| BodyRegion::of(&scene.bodies[b], &format!("bodies[{b}]"));
-            varied.fills[b] = stretched(&self.fills[b], &region(&self.scene)?, &region(&scene)?);
+            varied.fills[b] = moved(&self.fills[b], &region(&self.scene)?, &region(&scene)?);
         }
-        if !sized.is_empty() {
+        if !of_bodies.is_empty() {
             scene.check_bodies::<D>()?;
         }
         Ok(varied)

@@ -43,12 +43,11 @@ impl SmpmScene {
                 .for_each(|(root, value)| list(root, &value, &mut known));
             return Err(Objection::unknown(key, "number", path, known.iter()));
         };
-        let size = self.sized_body(path);
-        if let Some((_, body)) = size
-            && !is_stretched(body)
+        if let Some((number, body)) = self.moved_body(path)
+            && !body.has_movable_particles(path == format!("bodies[{number}].rotation.degrees"))
         {
-            let message = format!("the size of body `{}` cannot vary", body.name);
-            let help = "sizes of boxes, balls and cylinders without `except` may";
+            let message = format!("`{path}` of body `{}` cannot vary", body.name);
+            let help = "sizes of boxes, balls and cylinders without `except` and `rotation` may, and `rotation.degrees`";
             return Err(Objection::new(key, message).with_help(help));
         }
         Ok(number)
@@ -69,14 +68,24 @@ impl SmpmScene {
             }
             *place = value.into();
         }
-        serde_json::from_value(scene).map_err(|error| wrong("", error.to_string()))
+        let scene = serde_json::from_value::<Self>(scene);
+        let mut scene = scene.map_err(|error| wrong("", error.to_string()))?;
+        // What was read from files is no key.
+        scene.materials.clone_from(&self.materials);
+        for (body, own) in scene.bodies.iter_mut().zip(&self.bodies) {
+            if !own.has_movable_particles(false) {
+                body.shape.clone_from(&own.shape);
+                body.except.clone_from(&own.except);
+            }
+        }
+        Ok(scene)
     }
 
-    /// The body of whose size a path is.
-    pub(crate) fn sized_body(&self, path: &str) -> Option<(usize, &BodyScene)> {
+    /// The body of whose size or rotation a path is.
+    pub(crate) fn moved_body(&self, path: &str) -> Option<(usize, &BodyScene)> {
         let (number, key) = path.strip_prefix("bodies[")?.split_once("].")?;
-        let is_size = key.starts_with("shape") || key.starts_with("except");
-        let number = number.parse().ok().filter(|_| is_size)?;
+        let moves = ["shape", "except", "rotation"].iter().any(|part| key.starts_with(part));
+        let number = number.parse().ok().filter(|_| moves)?;
         self.bodies.get(number).map(|body| (number, body))
     }
 
@@ -84,24 +93,34 @@ impl SmpmScene {
     pub(crate) fn unit_at(&self, path: &str) -> &'static str {
         let [length, _, _, _, velocity] = self.units.names();
         match () {
-            () if self.sized_body(path).is_some() => length,
+            () if path.ends_with("].rotation.degrees") => "degrees",
+            () if self.moved_body(path).is_some() => length,
             () if path.contains("].velocity[") => velocity,
             () => "",
         }
     }
 }
 
-/// Whether the particles of a body can be stretched with its size.
-fn is_stretched(body: &BodyScene) -> bool {
-    body.except.is_empty() && !matches!(body.shape, SolidScene::Polygon { .. })
+impl BodyScene {
+    /// Whether its particles can turn with its rotation, or else be stretched with its size.
+    fn has_movable_particles(&self, is_turned: bool) -> bool {
+        let is_simple = matches!(
+            self.shape,
+            SolidScene::Box { .. } | SolidScene::Ball { .. } | SolidScene::Cylinder { .. }
+        );
+        is_turned || is_simple && self.except.is_empty() && self.rotation.is_none()
+    }
 }
 
-/// The particles of a body after a change of its size: as many as before, and stretched, so that responses are continuous.
-pub(crate) fn stretched<const D: usize>(
+/// The particles of a body after a change of its size or rotation: as many as before, so that responses are continuous.
+pub(crate) fn moved<const D: usize>(
     fill: &Fill<D>,
     before: &BodyRegion<D>,
     after: &BodyRegion<D>,
 ) -> Fill<D> {
+    if let Some(turn) = before.turn(after) {
+        return Fill { positions: fill.positions.iter().map(turn).collect(), ..*fill };
+    }
     let ((low, high), (new_low, new_high)) = (before.bounds(), after.bounds());
     let factor: [f64; D] = std::array::from_fn(|k| (new_high[k] - new_low[k]) / (high[k] - low[k]));
     let place = |x: &[f64; D]| std::array::from_fn(|k| new_low[k] + (x[k] - low[k]) * factor[k]);

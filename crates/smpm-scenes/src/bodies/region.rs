@@ -67,6 +67,12 @@ impl<const D: usize> BodyRegion<D> {
         self.whole.holds(x) && !self.cuts.iter().any(|cut| cut.holds(x))
     }
 
+    /// Where points of the body are after it has turned to the rotation of another region, if both are rotated.
+    pub(crate) fn turn(&self, to: &Self) -> Option<impl Fn(&[f64; D]) -> [f64; D]> {
+        let (from, to) = (self.rotation.as_ref()?, to.rotation.as_ref()?);
+        Some(|x: &[f64; D]| to.forward(&from.back(x)))
+    }
+
     /// Its particles, if a file lists them.
     pub(crate) fn listed(&self) -> Option<Fill<D>> {
         let Region::Points(list) = &self.whole else { return None };

@@ -46,11 +46,16 @@ impl<const D: usize> Rotation<D> {
         self.times(x, |i, j| self.matrix[j][i])
     }
 
+    /// The place to which a point is rotated.
+    pub(crate) fn forward(&self, x: &[f64; D]) -> [f64; D] {
+        self.times(x, |i, j| self.matrix[i][j])
+    }
+
     /// The box about a rotated box.
     pub(crate) fn bounds(&self, (from, to): ([f64; D], [f64; D])) -> ([f64; D], [f64; D]) {
         let corner = |number: usize| {
             let x = std::array::from_fn(|k| if number >> k & 1 == 0 { from[k] } else { to[k] });
-            self.times(&x, |i, j| self.matrix[i][j])
+            self.forward(&x)
         };
         let fold = |start: f64, of: fn(f64, f64) -> f64| {
             std::array::from_fn(|k| (0..1 << D).map(|n| corner(n)[k]).fold(start, of))

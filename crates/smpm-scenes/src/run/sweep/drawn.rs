@@ -87,6 +87,7 @@ pub(super) fn report(scene: &SmpmScene, sweep: &SweepScene, content: &SweepConte
     let text = format!("between {} and {}", short(without), short(with));
     report.fact("limit at the centre of the parameters", text);
     report.fact("method", method_words(&scene.method));
+    scene.origins().iter().for_each(|(material, source)| report.fact(material, source.clone()));
     report.counts(&content.work);
     report.fact("errors", "those of the estimate on this grid; the error of the grid is in no number: halve the cell and compare");
     report

@@ -2,6 +2,7 @@
 
 use result_figures::number::counted;
 use scene_runs::answers::{Answer, AnswerValue, Answers, ErrorOrigin, Number, Role, Statistic};
+use scene_runs::scene::NamedFile;
 use serde::Serialize;
 use uq_estimators::QuantalResponse;
 
@@ -30,6 +31,9 @@ pub(super) enum Found {
 #[derive(Debug, Serialize)]
 pub(super) struct SweepContent {
     pub(super) work: WorkRecord,
+    /// Files that the scene names.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    files: Vec<NamedFile>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) notes: Vec<String>,
     /// Runs that failed, and why.
@@ -95,7 +99,7 @@ impl SweepContent {
             };
             probabilities = sweep.values().into_iter().map(of).collect();
         }
-        let sweep = SweepResult {
+        let result = SweepResult {
             number: sweep.number.clone(),
             unit: scene.unit_at(&sweep.number),
             event: sweep.event.name.clone(),
@@ -106,7 +110,7 @@ impl SweepContent {
             residual_velocity: residual_velocity(scene, sweep, runs.all()),
             runs: in_order(runs.all()).into_iter().cloned().collect(),
         };
-        Self { work, notes, failures, sweep }
+        Self { work, files: scene.files(), notes, failures, sweep: result }
     }
 }
 

@@ -135,7 +135,7 @@ impl<'a, const D: usize> SweptRuns<'a, D> {
         let seed = design.map(|design| design.seed());
         let most = design.map_or(Ok(0), |design| design.n_runs())?;
         let number = &sweep.number;
-        let checkpoint = run.checkpoint(&Inputs { scene, seed, files: &[] }, &ASIDE)?;
+        let checkpoint = run.checkpoint(&Inputs { scene, seed, files: &scene.files() }, &ASIDE)?;
         let known = checkpoint.part::<Kept>(RUNS).map_err(RunError::from)?.unwrap_or_default();
         Ok(Self {
             sweep,

@@ -1,7 +1,8 @@
 //! The unit in the parentheses of a description.
 
 /// Symbols of units, besides powers and numbers; `u` is the unit of a state defined in a description.
-const SYMBOLS: [&str; 11] = ["m", "s", "kg", "N", "J", "Pa", "K", "rad", "u", "per", "MB"];
+const SYMBOLS: [&str; 12] =
+    ["m", "s", "kg", "N", "J", "Pa", "K", "rad", "degree", "u", "per", "MB"];
 
 /// The first unit in a description, and the description without it.
 ///

@@ -268,7 +268,7 @@ pub struct RotationScene {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(example = vec![0.0, 0.0, 1.0])]
     pub axis: Vec<f64>,
-    /// Its angle, counterclockwise seen from the tip of the axis (degrees).
+    /// Its angle, counterclockwise seen from the tip of the axis (degree).
     #[schemars(example = 20.0)]
     pub degrees: f64,
 }
@@ -277,6 +277,8 @@ pub struct RotationScene {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[schemars(example = Self::Ball { centre: vec![0.0, 0.0], radius: 1.5 })]
+#[schemars(example = Self::Surface { file: "projectile.stl".to_owned(), scale: 0.1, shift: vec![], read: None })]
+#[schemars(example = Self::Points { file: "particles.csv".to_owned(), spacing: 0.05, read: None })]
 pub enum SolidScene {
     /// A box.
     Box {

@@ -4,6 +4,7 @@ use scene_runs::scene::Objection;
 use serde_json::Value;
 use smpm::Fill;
 
+use crate::method_scene::MethodScene;
 use crate::region::BodyRegion;
 use crate::scene::{BodyScene, SmpmScene, SolidScene};
 
@@ -142,5 +143,42 @@ fn list(path: String, value: &Value, into: &mut Vec<String>) {
         }
         Value::Number(number) if number.is_f64() => into.push(path),
         _ => {}
+    }
+}
+
+impl SmpmScene {
+    /// Rejects a sweep over no number or of no event, and methods that it does not take.
+    pub(crate) fn check_sweep(&self) -> Result<(), Objection> {
+        let Some(sweep) = &self.sweep else { return Ok(()) };
+        sweep.check()?;
+        self.number(&sweep.number, "sweep.number")?;
+        let (path, event) = ("sweep.event", &sweep.event);
+        if self.gauges.iter().all(|gauge| gauge.name != event.gauge) {
+            let names = self.gauges.iter().map(|gauge| &gauge.name);
+            return Err(Objection::unknown(format!("{path}.gauge"), "gauge", &event.gauge, names));
+        }
+        if !self.quantities.contains(&event.quantity) {
+            let names = self.quantities.iter();
+            let path = format!("{path}.quantity");
+            return Err(Objection::unknown(path, "quantity", &event.quantity, names));
+        }
+        let help =
+            "take `deterministic`, or `monte_carlo` with `control` false and `random` parameters";
+        let message = match self.method {
+            MethodScene::Deterministic => None,
+            MethodScene::MonteCarlo { control: true, .. } => Some("a sweep has no control variate"),
+            MethodScene::MonteCarlo { .. } if self.random.is_empty() => {
+                Some("there are no random parameters to sample")
+            }
+            MethodScene::MonteCarlo { .. } => None,
+            _ => Some("this method does not go with `sweep`"),
+        };
+        message.map_or(Ok(()), |it| Err(Objection::new("method", it).with_help(help)))?;
+        if self.levels.is_empty() && self.random_fields.is_empty() && !self.fields {
+            return Ok(());
+        }
+        let message = "a sweep goes without `levels`, `random_fields` and `fields`";
+        Err(Objection::new("sweep", message)
+            .with_help("leave them out; `event` has the level of a sweep"))
     }
 }

@@ -143,7 +143,7 @@ impl QuantalResponse {
                 sum >= share
             };
             let node = self.nodes.iter().find(reaches).or(self.nodes.last())?;
-            let side = if trial % 2 == 0 { D_OPTIMAL } else { -D_OPTIMAL };
+            let side = if trial.is_multiple_of(2) { D_OPTIMAL } else { -D_OPTIMAL };
             Some((node.median + side * node.deviation).clamp(self.range[0], self.range[1]))
         };
         (first..first + n).filter_map(level).collect()
@@ -203,9 +203,13 @@ fn weighted([medians, logarithms]: [[f64; 2]; 2], trials: &[Trial]) -> Vec<Node>
         node.weight = trials.iter().map(|trial| node.log_likelihood(trial)).sum();
     }
     let most = nodes.iter().map(|node| node.weight).fold(f64::NEG_INFINITY, f64::max);
-    nodes.iter_mut().for_each(|node| node.weight = (node.weight - most).exp());
+    for node in &mut nodes {
+        node.weight = (node.weight - most).exp();
+    }
     let sum: f64 = nodes.iter().map(|node| node.weight).sum();
-    nodes.iter_mut().for_each(|node| node.weight /= sum);
+    for node in &mut nodes {
+        node.weight /= sum;
+    }
     nodes
 }
 

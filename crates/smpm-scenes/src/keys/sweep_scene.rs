@@ -4,9 +4,7 @@ use scene_runs::scene::Objection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::method_scene::MethodScene;
 use super::quantity_name::QuantityName;
-use super::scene::SmpmScene;
 
 /// A sweep over one number: the value at which an event begins, or the probability of the event over that number.
 ///
@@ -95,7 +93,8 @@ impl SweepScene {
         self.within.unwrap_or_else(|| 0.02 * (self.to - self.from).abs())
     }
 
-    fn check(&self) -> Result<(), Objection> {
+    /// Rejects ranges, widths and events that cannot be.
+    pub(crate) fn check(&self) -> Result<(), Objection> {
         let wrong =
             |key: &str, message: String| Err(Objection::new(format!("sweep.{key}"), message));
         let (from, to, range) = (self.from, self.to, (self.to - self.from).abs());
@@ -127,42 +126,5 @@ impl EventScene {
     pub(crate) fn occurs(&self, value: f64) -> bool {
         self.above.is_some_and(|limit| value > limit)
             || self.below.is_some_and(|limit| value < limit)
-    }
-}
-
-impl SmpmScene {
-    /// Rejects a sweep over no number or of no event, and methods that it does not take.
-    pub(crate) fn check_sweep(&self) -> Result<(), Objection> {
-        let Some(sweep) = &self.sweep else { return Ok(()) };
-        sweep.check()?;
-        self.number(&sweep.number, "sweep.number")?;
-        let (path, event) = ("sweep.event", &sweep.event);
-        if self.gauges.iter().all(|gauge| gauge.name != event.gauge) {
-            let names = self.gauges.iter().map(|gauge| &gauge.name);
-            return Err(Objection::unknown(format!("{path}.gauge"), "gauge", &event.gauge, names));
-        }
-        if !self.quantities.contains(&event.quantity) {
-            let names = self.quantities.iter();
-            let path = format!("{path}.quantity");
-            return Err(Objection::unknown(path, "quantity", &event.quantity, names));
-        }
-        let help =
-            "take `deterministic`, or `monte_carlo` with `control` false and `random` parameters";
-        let message = match self.method {
-            MethodScene::Deterministic => None,
-            MethodScene::MonteCarlo { control: true, .. } => Some("a sweep has no control variate"),
-            MethodScene::MonteCarlo { .. } if self.random.is_empty() => {
-                Some("there are no random parameters to sample")
-            }
-            MethodScene::MonteCarlo { .. } => None,
-            _ => Some("this method does not go with `sweep`"),
-        };
-        message.map_or(Ok(()), |it| Err(Objection::new("method", it).with_help(help)))?;
-        if self.levels.is_empty() && self.random_fields.is_empty() && !self.fields {
-            return Ok(());
-        }
-        let message = "a sweep goes without `levels`, `random_fields` and `fields`";
-        Err(Objection::new("sweep", message)
-            .with_help("leave them out; `event` has the level of a sweep"))
     }
 }

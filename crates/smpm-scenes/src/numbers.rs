@@ -165,12 +165,11 @@ impl SmpmScene {
         let help =
             "take `deterministic`, or `monte_carlo` with `control` false and `random` parameters";
         let message = match self.method {
-            MethodScene::Deterministic => None,
             MethodScene::MonteCarlo { control: true, .. } => Some("a sweep has no control variate"),
             MethodScene::MonteCarlo { .. } if self.random.is_empty() => {
                 Some("there are no random parameters to sample")
             }
-            MethodScene::MonteCarlo { .. } => None,
+            MethodScene::Deterministic | MethodScene::MonteCarlo { .. } => None,
             _ => Some("this method does not go with `sweep`"),
         };
         message.map_or(Ok(()), |it| Err(Objection::new("method", it).with_help(help)))?;

@@ -152,7 +152,9 @@ fn value(card: &Card, field: &str) -> Result<(f64, &'static [&'static str]), Str
         "G" if number == 0.0 => (shear, &["E", "PR"]),
         "ETAN" if number == 0.0 => (0.0, &["BETA"]),
         "ETAN" if number >= young => return Err("ETAN is not below E".to_owned()),
-        "ETAN" if beta == 1.0 => (young * number / (young - number), &["BETA"]),
+        "ETAN" if beta.to_bits() == 1f64.to_bits() => {
+            (young * number / (young - number), &["BETA"])
+        }
         "ETAN" => {
             let beta = tidy(beta);
             return Err(format!(
@@ -164,7 +166,7 @@ fn value(card: &Card, field: &str) -> Result<(f64, &'static [&'static str]), Str
         }
         "PC" if number == 0.0 => (f64::INFINITY, &["SPALL"]),
         "PC" if number > 0.0 => return Err("PC is above 0; a tension is below".to_owned()),
-        "PC" if spall == 3.0 => (-number, &["SPALL"]),
+        "PC" if spall.to_bits() == 3f64.to_bits() => (-number, &["SPALL"]),
         "PC" => {
             let spall = tidy(spall);
             return Err(format!("SPALL is {spall}; only 3, spall by pressure, is supported"));

@@ -1,4 +1,7 @@
-//! Constants of models by the fields of cards (manual of LS-DYNA R13, volume II), in the units of a scene.
+//! Constants of models by the fields of cards, in the units of a scene.
+//!
+//! Layout: manual of LS-DYNA, volume II. Compared with public descriptions were `MAT_015` and the first line of `EOS_GRUNEISEN`; the
+//! others are from memory.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -20,6 +20,8 @@ pub use perturbation_moments::{Jet, Scalar};
 pub use points::body::Body;
 pub use points::compiled_points::Number;
 pub use points::fill::Fill;
+pub use record::balance::Balance;
+pub use record::external::External;
 pub use record::gathered::{Record, Schedule};
 pub use record::observation::{Gauge, Place, Plan, Quantity, Window};
 pub use record::tearing::Neighbours;

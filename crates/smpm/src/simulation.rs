@@ -14,6 +14,7 @@ use crate::points::body::Body;
 use crate::points::particle_pass::ParticlePass;
 use crate::points::particles::Particles;
 use crate::points::summary::{Summary, signal_speed};
+use crate::record::external::External;
 use crate::record::snapshot::{Clock, read, write};
 use crate::transfer::particle_motion::Pass;
 use crate::transfer::particle_terms::Given;
@@ -41,6 +42,9 @@ pub struct Simulation<S, const D: usize> {
     done: Vec<bool>,
     /// Energy at the start, and what gravity has put in since.
     supplied: f64,
+    external: External<D>,
+    /// Of all bodies.
+    mass: f64,
     failed: Option<Error>,
 }
 
@@ -68,8 +72,16 @@ pub struct Ledger<const D: usize> {
     pub momentum: [f64; D],
     /// Kinetic energy of the particles.
     pub kinetic: f64,
-    /// Internal energy of the materials.
+    /// Internal energy of the materials: zero of a material that observes none.
     pub internal: f64,
+    /// Mass of the particles that have failed: damage 1.
+    pub failed: f64,
+}
+
+impl<const D: usize> Ledger<D> {
+    const fn none() -> Self {
+        Self { mass: 0.0, momentum: [0.0; D], kinetic: 0.0, internal: 0.0, failed: 0.0 }
+    }
 }
 
 /// The longest step and who asks for it.
@@ -114,6 +126,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         }
         let masses = bodies.iter().flat_map(|body| body.masses().iter().map(|m| m.value()));
         let smallest_mass = SMALLEST_MASS * masses.fold(f64::INFINITY, f64::min);
+        let external = External::none(planes.len());
         let grid = Grid::new(&config, planes, bodies.len());
         let limit = Limit::of(&config, &bodies);
         let mut simulation = Self {
@@ -126,10 +139,14 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
             n_steps: 0,
             smallest_mass,
             supplied: 0.0,
+            external,
+            mass: 0.0,
             failed: None,
         };
-        let Ledger { kinetic, internal, .. } = simulation.ledger();
+        let Ledger { mass, momentum, kinetic, internal, .. } = simulation.ledger();
         simulation.supplied = kinetic + internal;
+        simulation.mass = mass;
+        simulation.external.add_gravity(mass, [0.0; D], &momentum);
         Ok(simulation)
     }
 
@@ -163,18 +180,27 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         self.limit.dt
     }
 
+    /// What gravity and the planes have given to the bodies since the start.
+    pub const fn external(&self) -> &External<D> {
+        &self.external
+    }
+
     /// What it holds besides its particles.
     pub(crate) fn clock(&self) -> Clock {
         let Limit { dt, body, particle } = self.limit;
         let Self { time, n_steps, supplied, .. } = *self;
-        Clock { time, n_steps, supplied, limit: (dt, body, particle) }
+        let mut sums = vec![];
+        self.external.clone().visit_numbers(&mut |number| sums.push(*number));
+        Clock { time, n_steps, supplied, limit: (dt, body, particle), sums }
     }
 
     /// Brings it to another state, with the particles of that state.
     pub(crate) fn set_clock(&mut self, clock: Clock) {
-        let Clock { time, n_steps, supplied, limit: (dt, body, particle) } = clock;
+        let Clock { time, n_steps, supplied, limit: (dt, body, particle), sums } = clock;
         self.limit = Limit { dt, body, particle };
         (self.time, self.n_steps, self.supplied) = (time, n_steps, supplied);
+        let mut sums = sums.iter();
+        self.external.visit_numbers(&mut |number| number.clone_from(sums.next().unwrap_or(&0.0)));
         self.failed = None;
     }
 
@@ -301,7 +327,8 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         particle_to_grid(&mut self.grid, &self.bodies, under, given);
         let with_mass = given != Given::Momentum;
         let affine = self.config.transfer == Transfer::Apic;
-        self.grid.solve(Solve { dt, affine, smallest_mass: self.smallest_mass, with_mass });
+        let solve = Solve { dt, affine, smallest_mass: self.smallest_mass, with_mass };
+        self.grid.solve(solve, &mut self.external.reactions);
     }
 
     /// A pass over all particles: grid-to-particle, the material update, the motion.
@@ -331,7 +358,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
 
     /// Mass, momentum and energy of one body.
     fn ledger_of(body: &Body<S, D>) -> Ledger<D> {
-        let mut ledger = Ledger { mass: 0.0, momentum: [0.0; D], kinetic: 0.0, internal: 0.0 };
+        let mut ledger = Ledger::none();
         let Particles { velocity, mass, reference_volume, .. } = &body.particles;
         // In the order of memory.
         for p in 0..body.n_particles() {
@@ -342,7 +369,11 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
                 ledger.momentum[k] += m * v;
                 ledger.kinetic += 0.5 * m * v * v;
             }
-            ledger.internal += body.points.observe(p).energy.value() * reference_volume[p];
+            let observed = body.points.observe(p);
+            ledger.internal += observed.energy.value() * reference_volume[p];
+            if observed.damage.value() >= 1.0 {
+                ledger.failed += m;
+            }
         }
         ledger
     }
@@ -355,12 +386,12 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
 
     /// Mass, momentum and energy of all bodies.
     pub fn ledger(&self) -> Ledger<D> {
-        let none = Ledger { mass: 0.0, momentum: [0.0; D], kinetic: 0.0, internal: 0.0 };
-        self.ledgers().into_iter().fold(none, |sum, one| Ledger {
+        self.ledgers().into_iter().fold(Ledger::none(), |sum, one| Ledger {
             mass: sum.mass + one.mass,
             momentum: std::array::from_fn(|k| sum.momentum[k] + one.momentum[k]),
             kinetic: sum.kinetic + one.kinetic,
             internal: sum.internal + one.internal,
+            failed: sum.failed + one.failed,
         })
     }
 
@@ -369,6 +400,8 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         let gravity = self.config.gravity_at(self.time - 0.5 * dt);
         let power: f64 = (0..D).map(|k| momentum[k] * gravity[k]).sum();
         self.supplied += (power * dt).max(0.0);
+        let impulse = gravity.map(|along| self.mass * along * dt);
+        self.external.add_gravity(self.mass, impulse, momentum);
         let (value, factor) = (kinetic + internal, self.config.most_energy_growth);
         let limit = factor * self.supplied.abs();
         if value.is_nan() || (value > limit && self.supplied != 0.0) {
@@ -436,7 +469,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         if let Some(error) = &self.failed {
             return Err(error.clone());
         }
-        write(&self.bodies, self.clock(), writer)
+        write(&self.bodies, &self.clock(), writer)
     }
 
     /// Takes the state from a snapshot of a simulation with the same configuration and bodies; the run goes on bit for bit.
@@ -445,7 +478,8 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// [`Error::ForeignSnapshot`], [`Error::MaterialNotStored`], [`Error::SnapshotNumber`], [`Error::Snapshot`]; the state is then
     /// as it was.
     pub fn restore(&mut self, reader: impl Read) -> Result<(), Error> {
-        let clock = read(&mut self.bodies, reader)?;
+        let n_sums = self.clock().sums.len();
+        let clock = read(&mut self.bodies, n_sums, reader)?;
         self.set_clock(clock);
         Ok(())
     }

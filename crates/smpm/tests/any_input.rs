@@ -44,7 +44,7 @@ fn config() -> impl Strategy<Value = Config<2>> {
     let kind = prop_oneof![
         Just(BoundaryKind::Symmetry),
         Just(BoundaryKind::Clamped),
-        Just(BoundaryKind::Rigid),
+        number().prop_map(|friction| BoundaryKind::Rigid { friction }),
         (number(), number())
             .prop_map(|(longitudinal, shear)| BoundaryKind::Absorbing { longitudinal, shear }),
     ];

@@ -43,6 +43,8 @@ pub(crate) struct Grid<S, const D: usize> {
     friction: Option<f64>,
     /// Like the blocks, the surfaces of the bodies; empty where they share a field.
     surfaces: Vec<Surface<S, D>>,
+    /// By tile the impulse of each plane in a step.
+    impulses: Vec<[f64; D]>,
 }
 
 /// What the nodes do with what particle-to-grid has summed.
@@ -75,6 +77,7 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
             n_fields,
             friction,
             surfaces: vec![],
+            impulses: vec![],
         }
     }
 
@@ -101,6 +104,7 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
         self.block_masses.resize(n_sets * block_len(D), zero);
         self.nodes.resize(n_sets * tile_len(D), Node::zero());
         self.masses.resize(n_sets * tile_len(D), zero);
+        self.impulses.resize(self.tiles.all.len() * self.planes.len(), [0.0; D]);
         if self.has_contact() {
             self.surfaces.resize(n_sets * block_len(D), Surface::none());
         }
@@ -159,9 +163,35 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
     /// Nodes collect what the blocks hold of them: mass, momentum, force, with the images at planes; then the velocity, its
     /// change over the step by the force and by contact, and what the planes make of them; then the blocks are filled with
     /// them again.
-    pub(crate) fn solve(&mut self, solve: Solve) {
+    ///
+    /// Where masses are summed, the impulse that each plane has given in the step is added to `reactions`.
+    pub(crate) fn solve(&mut self, solve: Solve, reactions: &mut [[f64; D]]) {
         self.solve_at_nodes(solve);
+        if solve.with_mass && !self.planes.is_empty() {
+            self.find_impulses((solve.dt, solve.affine));
+            let tiles = self.tiles.all.iter().zip(self.impulses.chunks(self.planes.len()));
+            for (_, impulses) in tiles.filter(|(tile, _)| !tile.plain) {
+                let sums = reactions.as_flattened_mut().iter_mut();
+                sums.zip(impulses.as_flattened()).for_each(|(sum, impulse)| *sum += impulse);
+            }
+        }
         self.fill_blocks();
+    }
+
+    /// Finds by tile what the planes have given, while the blocks hold what particles have.
+    fn find_impulses(&mut self, step: (f64, bool)) {
+        let Self { planes, tiles, n_fields, blocks, block_masses, nodes, .. } = self;
+        let Tiles { directory, all: tiles, .. } = tiles;
+        let (surfaces, nodes) = (&self.surfaces[..], &nodes[..]);
+        let (n_fields, masses) = (*n_fields, &block_masses[..]);
+        let sums = BlockSums { directory, tiles, planes, n_fields, blocks, masses, surfaces };
+        for_each_chunk(&mut self.impulses, sums.planes.len(), &|slot, impulses| {
+            let tile = &sums.tiles[slot];
+            if !tile.plain {
+                impulses.fill([0.0; D]);
+                sums.add_reactions(tile, nodes, step, impulses);
+            }
+        });
     }
 
     fn solve_at_nodes(&mut self, solve: Solve) {

@@ -215,7 +215,7 @@ impl<S: CarriedNumber, const D: usize> BlockSums<'_, S, D> {
     }
 
     /// What all blocks hold of a node, in the order of the tiles below it, and of its mass.
-    fn sum_at(&self, place: [i32; D], field: usize) -> (Node<S, D>, S) {
+    pub(crate) fn sum_at(&self, place: [i32; D], field: usize) -> (Node<S, D>, S) {
         let (mut sum, mut mass) = (Node::zero(), S::constant(0.0));
         self.for_each_copy(place, field, |copy| {
             sum.add(&self.blocks[copy]);
@@ -318,25 +318,38 @@ pub(crate) fn fill_images<S: CarriedNumber, const D: usize>(
         return;
     }
     for (index, node) in block.iter_mut().enumerate() {
-        let mut at = place_in_block(&tile.at, index);
-        let behind =
-            |plane: &&Plane, at: &[i32; D]| plane.mirrors() && plane.beyond(at[plane.axis]) > 0;
-        let mut mirrors = [None; D];
-        // A corner is beyond a plane of each axis.
-        for mirror in &mut mirrors {
-            *mirror = planes.iter().find(|plane| behind(plane, &at));
-            if let Some(plane) = mirror {
-                at[plane.axis] = plane.image(at[plane.axis]);
-            }
-        }
-        if mirrors[0].is_some() {
-            *node = node_at(directory, nodes, fields, at);
-            for plane in mirrors.into_iter().rev().flatten() {
-                *node.velocity_mut() = plane.mirrored(*node.velocity());
-                *node.velocity_change_mut() = plane.mirrored(*node.velocity_change());
-            }
+        let at = place_in_block(&tile.at, index);
+        if planes.iter().any(|plane| is_behind(plane, &at)) {
+            *node = image_seen_at(planes, (directory, nodes, fields), at);
         }
     }
+}
+
+/// Whether a place is beyond a mirror.
+fn is_behind<const D: usize>(plane: &Plane, at: &[i32; D]) -> bool {
+    plane.mirrors() && plane.beyond(at[plane.axis]) > 0
+}
+
+/// The node that particles see at a place: beyond a mirror the image of the one on this side.
+pub(crate) fn image_seen_at<S: CarriedNumber, const D: usize>(
+    planes: &[Plane],
+    (directory, nodes, fields): (&Directory<D>, &[Node<S, D>], Fields),
+    mut at: [i32; D],
+) -> Node<S, D> {
+    let mut mirrors = [None; D];
+    // A corner is beyond a plane of each axis.
+    for mirror in &mut mirrors {
+        *mirror = planes.iter().find(|plane| is_behind(plane, &at));
+        if let Some(plane) = mirror {
+            at[plane.axis] = plane.image(at[plane.axis]);
+        }
+    }
+    let mut node = node_at(directory, nodes, fields, at);
+    for plane in mirrors.into_iter().rev().flatten() {
+        *node.velocity_mut() = plane.mirrored(*node.velocity());
+        *node.velocity_change_mut() = plane.mirrored(*node.velocity_change());
+    }
+    node
 }
 
 /// A node by its place.

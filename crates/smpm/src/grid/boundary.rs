@@ -3,6 +3,7 @@
 use constitutive_models::{not_negative, positive};
 
 use crate::error::Error;
+use crate::grid::contact::friction_share;
 use crate::grid::tile_size::signed;
 use crate::number::CarriedNumber;
 
@@ -22,8 +23,14 @@ pub enum BoundaryKind {
     Symmetry,
     /// Held: no velocity at the plane, and the mirror image moves the other way.
     Clamped,
-    /// A rigid wall without friction: nothing moves into it, everything may leave it.
-    Rigid,
+    /// A rigid wall: nothing moves into it, everything may leave it.
+    ///
+    /// With Coulomb friction a node that the wall stops by `dv` along the normal loses at most `friction dv` of its velocity along
+    /// the wall (Bardenhagen, Brackbill & Sulsky 2000).
+    Rigid {
+        /// Coulomb's coefficient, zero or above; zero for a wall without friction.
+        friction: f64,
+    },
     /// Waves leave through it (Lysmer & Kuhlemeyer 1969): a traction `-rho c v`, with the speeds of longitudinal and of shear
     /// waves of the material there (length per time).
     Absorbing {
@@ -72,6 +79,9 @@ impl Boundary {
             positive("longitudinal wave speed of an absorbing boundary", longitudinal)?;
             not_negative("shear wave speed of an absorbing boundary", shear)?;
         }
+        if let BoundaryKind::Rigid { friction } = kind {
+            not_negative("friction coefficient of a rigid boundary", friction)?;
+        }
         let place = (position - origin[axis]) / cell;
         let node = place.round();
         // A coordinate that was computed may miss its node by roundoff.
@@ -109,6 +119,15 @@ impl Plane {
         matches!(self.kind, BoundaryKind::Symmetry | BoundaryKind::Clamped)
     }
 
+    /// Whether it changes velocities along itself.
+    pub(crate) fn acts_along(&self) -> bool {
+        match self.kind {
+            BoundaryKind::Symmetry => false,
+            BoundaryKind::Rigid { friction } => friction > 0.0,
+            BoundaryKind::Clamped | BoundaryKind::Absorbing { .. } => true,
+        }
+    }
+
     /// The image of a node.
     pub(crate) fn image(&self, node: i32) -> i32 {
         2 * self.node - node
@@ -136,13 +155,18 @@ impl Plane {
         match self.kind {
             BoundaryKind::Symmetry => velocity[self.axis] = zero,
             BoundaryKind::Clamped => *velocity = [zero; D],
-            BoundaryKind::Rigid => {
+            BoundaryKind::Rigid { friction } => {
                 let inward = match self.side {
                     Side::Above => 1.0,
                     Side::Below => -1.0,
                 };
                 if velocity[self.axis].value() * inward < 0.0 {
+                    let stopped = velocity[self.axis] * -inward;
                     velocity[self.axis] = zero;
+                    if friction > 0.0 {
+                        let share = friction_share(velocity, stopped, friction);
+                        *velocity = velocity.map(|along| along - along * share);
+                    }
                 }
             }
             BoundaryKind::Absorbing { longitudinal, shear } => {

@@ -137,7 +137,7 @@ fn across<S: CarriedNumber, const D: usize>(
 
 /// The fraction of the slip that friction removes: one where the bodies stick.
 #[inline(always)]
-fn friction_share<S: CarriedNumber, const D: usize>(
+pub(crate) fn friction_share<S: CarriedNumber, const D: usize>(
     slip: &[S; D],
     approach: S,
     coefficient: f64,

@@ -9,6 +9,7 @@ pub(crate) mod boundary;
 pub(crate) mod contact;
 pub(crate) mod lattice;
 pub(crate) mod node;
+pub(crate) mod reactions;
 pub(crate) mod surfaces;
 pub(crate) mod tile_size;
 pub(crate) mod tiles;

@@ -2,6 +2,8 @@
 //!
 //! Nothing here changes a state, except a restored snapshot.
 
+pub(crate) mod balance;
+pub(crate) mod external;
 pub(crate) mod gathered;
 pub(crate) mod interpolation;
 pub(crate) mod observation;

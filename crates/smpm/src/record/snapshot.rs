@@ -9,13 +9,15 @@ use crate::number::CarriedNumber;
 use crate::points::body::Body;
 
 /// What a simulation holds besides its particles.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Clock {
     pub(crate) time: f64,
     pub(crate) n_steps: u64,
     pub(crate) supplied: f64,
     /// The longest step, body and particle that ask for it.
     pub(crate) limit: (f64, usize, usize),
+    /// What gravity and planes have given.
+    pub(crate) sums: Vec<f64>,
 }
 
 /// Columns of a body, in the order of memory.
@@ -69,7 +71,7 @@ fn name(column: usize, parts: usize) -> String {
 /// Writes all bodies, one store after the other; the clock is in each.
 pub(crate) fn write<S: CarriedNumber, const D: usize>(
     bodies: &[Body<S, D>],
-    clock: Clock,
+    clock: &Clock,
     mut writer: impl Write,
 ) -> Result<(), Error> {
     let n_bodies = bodies.len();
@@ -78,7 +80,10 @@ pub(crate) fn write<S: CarriedNumber, const D: usize>(
             return Err(Error::MaterialNotStored { body: k });
         };
         let mut store = ParticleStore::<D>::new(number.len());
-        let Clock { time, n_steps, supplied, limit: (dt, of_body, particle) } = clock;
+        let Clock { time, n_steps, supplied, limit: (dt, of_body, particle), ref sums } = *clock;
+        for (number, &sum) in sums.iter().enumerate() {
+            store.set_attribute(&format!("sum {number}"), Attribute::Real(sum));
+        }
         for (name, value) in [("time", time), ("supplied", supplied), ("longest step", dt)] {
             store.set_attribute(name, Attribute::Real(value));
         }
@@ -99,9 +104,10 @@ pub(crate) fn write<S: CarriedNumber, const D: usize>(
     Ok(())
 }
 
-/// Reads what was written for bodies like these; they are changed only if all of it fits.
+/// Reads what was written for bodies like these, with so many sums in the clock; they are changed only if all of it fits.
 pub(crate) fn read<S: CarriedNumber, const D: usize>(
     bodies: &mut [Body<S, D>],
+    n_sums: usize,
     mut reader: impl Read,
 ) -> Result<Clock, Error> {
     let mut all = vec![];
@@ -117,7 +123,7 @@ pub(crate) fn read<S: CarriedNumber, const D: usize>(
         fits("parts of a number", count(&store, "parts")?, S::PARTS)?;
         fits("particles", store.len(), expected.number.len())?;
         fits("columns", store.columns().len(), expected.columns.len() + 1)?;
-        clock = Some(read_clock(&store)?);
+        clock = Some(read_clock(&store, n_sums)?);
         all.push(read_columns(&store, expected.columns.len(), S::PARTS)?);
     }
     for (body, columns) in bodies.iter_mut().zip(&all) {
@@ -155,8 +161,15 @@ fn fits(quantity: &'static str, found: usize, expected: usize) -> Result<(), Err
     }
 }
 
-fn read_clock<const D: usize>(store: &ParticleStore<D>) -> Result<Clock, Error> {
+fn read_clock<const D: usize>(store: &ParticleStore<D>, n_sums: usize) -> Result<Clock, Error> {
+    let sum = |number| match store.attribute(&format!("sum {number}")) {
+        Some(Attribute::Real(sum)) if sum.is_finite() => Some(sum),
+        _ => None,
+    };
+    let sums: Vec<f64> = (0..).map_while(sum).collect();
+    fits("sums of gravity and planes", sums.len(), n_sums)?;
     Ok(Clock {
+        sums,
         time: finite(store, "time")?,
         n_steps: count(store, "n_steps")? as u64,
         supplied: finite(store, "supplied")?,

@@ -3,6 +3,7 @@
 use super::keep::{Keep, SavingWitness};
 use crate::error::Error;
 use crate::number::CarriedNumber;
+use crate::record::balance::{Balance, Balances};
 use crate::record::gathered::{Plain, Reader, Record, Schedule, Witness};
 use crate::record::observation::Plan;
 use crate::simulation::Simulation;
@@ -13,6 +14,7 @@ pub(super) struct Runs<'a, const D: usize> {
     pub(super) plan: Plan<D>,
     keep: Option<&'a dyn Keep>,
     reference: Record<f64>,
+    pub(super) balance: Vec<Balance<D>>,
 }
 
 impl<'a, const D: usize> Runs<'a, D> {
@@ -24,9 +26,11 @@ impl<'a, const D: usize> Runs<'a, D> {
     ) -> Result<Self, Error> {
         let (run, n_stops) = ("reference run".to_owned(), plan.stops().len());
         let windows = &plan.windows;
-        let mut kept = SavingWitness { keep, run, windows, schedule: None, n_stops, witness: () };
+        let witness = Balances::new(simulation, windows);
+        let mut kept = SavingWitness { keep, run, windows, schedule: None, n_stops, witness };
         let reference = simulation.record_by(&plan, None, &Plain, &mut kept)?;
-        Ok(Self { plan, keep, reference })
+        let balance = kept.witness.in_order();
+        Ok(Self { plan, keep, reference, balance })
     }
 
     /// A run by the steps of the reference run, resumed where it was kept under its name, if it was.

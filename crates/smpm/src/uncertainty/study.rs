@@ -13,6 +13,7 @@ use constitutive_models::positive;
 
 use crate::error::Error;
 use crate::parallel::map_in_order;
+use crate::record::balance::Balance;
 use crate::record::gathered::{Plain, Schedule};
 use crate::record::observation::Plan;
 use crate::simulation::Simulation;
@@ -106,6 +107,11 @@ impl<'a, X: Experiment<D>, const D: usize> Study<'a, X, D> {
     #[must_use]
     pub fn centre(&self) -> &[f64] {
         self.runs.centre()
+    }
+
+    /// The balance of the run at the centre: at its start and at the end of every window.
+    pub fn balance(&self) -> &[Balance<D>] {
+        &self.runs.balance
     }
 
     /// Pairs of neighbours that the grid has torn at the end of the run at the centre, by body: [`Simulation::torn`].

@@ -144,7 +144,8 @@ fn the_axis_is_implied_and_can_be_nothing_else() {
     let clamped = Boundary { kind: BoundaryKind::Clamped, ..axis };
     assert_eq!(with(vec![clamped]).unwrap_err(), Error::AxisIsNoBoundary);
     let wall = plane(1, 0.0, Side::Above);
-    let contradicted = with(vec![wall, Boundary { kind: BoundaryKind::Rigid, ..wall }]);
+    let contradicted =
+        with(vec![wall, Boundary { kind: BoundaryKind::Rigid { friction: 0.0 }, ..wall }]);
     let expected = Error::BoundariesContradict { axis: 1, value: 0.0 };
     assert_eq!(contradicted.unwrap_err(), expected);
     let off = Config { origin: [0.03, 0.0], ..axisymmetric(0.1) };

@@ -161,7 +161,12 @@ fn comes_to_the_same<R: PartialEq + std::fmt::Debug>(method: Method<'_, R>) {
 
 #[test]
 fn a_study_that_is_killed_goes_on_to_the_same_bits_by_every_method() {
-    comes_to_the_same(&|study| Ok((study.centre().to_vec(), study.schedule().clone())));
+    comes_to_the_same(&|study| {
+        let balance = study.balance().to_vec();
+        // Zero, both ends of windows, in the order of time.
+        assert_eq!(balance.iter().map(|at| at.time).collect::<Vec<_>>(), [0.0, 1.0, 2.0, 3.0]);
+        Ok((study.centre().to_vec(), study.schedule().clone(), balance))
+    });
     comes_to_the_same(&|study| study.propagated());
     comes_to_the_same(&|study| study.finite_difference(0.1));
     comes_to_the_same(&|study| study.forward_difference(0.1));
@@ -227,7 +232,8 @@ fn standings_that_do_not_fit_are_refused_by_what_does_not() {
     fewer.gauges.pop();
     let error = Study::kept_by(&Yielding, inputs(), fewer, &keep).unwrap_err();
     let quantity = "numbers of a window";
-    assert_eq!(error, Error::ForeignSnapshot { quantity, found: 6, expected: 3 });
+    // Beside the responses a balance of nine numbers.
+    assert_eq!(error, Error::ForeignSnapshot { quantity, found: 15, expected: 12 });
     // What one run has come to is not where another is.
     let mean_run = keep.kept().remove("reference run").unwrap();
     keep.kept.lock().unwrap().insert("run with derivatives 0".to_owned(), mean_run);

@@ -128,7 +128,7 @@ fn gravity_follows_its_history() {
     for _ in 100..460 {
         let _ = resumed.step_of(0.005).unwrap();
     }
-    assert_eq!(resumed.ledger(), run.ledger());
+    assert_eq!(resumed.balance(), run.balance());
     let plain = blocks(|config| config.gravity = [0.2, -0.4]);
     let bits = |of: [f64; 2]| of.map(f64::to_bits);
     assert_eq!(bits(plain.config().gravity_at(3.0)), bits([0.2, -0.4]));

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test ends by it")]
 
 mod axis;
+mod balance;
 mod boundaries;
 mod contact;
 mod custom_field_experiment;

@@ -234,7 +234,12 @@ fn strike(config: &Config<1>, reference: &WallImpact) -> CaseResult<Struck> {
     })?;
     let fill = Fill::of([0.5 * config.cell], ([0.0], [1.0]), |_| true)?;
     let bar = Body::new(material, &fill, [-SPEED])?;
-    let wall = Boundary { axis: 0, position: 0.0, side: Side::Above, kind: BoundaryKind::Rigid };
+    let wall = Boundary {
+        axis: 0,
+        position: 0.0,
+        side: Side::Above,
+        kind: BoundaryKind::Rigid { friction: 0.0 },
+    };
     let config = Config { boundaries: vec![wall], viscosity: NO_VISCOSITY, ..config.clone() };
     let mut run = Simulation::new(config, vec![bar])?;
     let before = run.ledger();

@@ -335,7 +335,8 @@ impl BoundaryScene {
             kind: match self.kind {
                 BoundaryKindScene::Symmetry => BoundaryKind::Symmetry,
                 BoundaryKindScene::Clamped => BoundaryKind::Clamped,
-                BoundaryKindScene::Rigid => BoundaryKind::Rigid,
+                BoundaryKindScene::Rigid => BoundaryKind::Rigid { friction: 0.0 },
+                BoundaryKindScene::Frictional { friction } => BoundaryKind::Rigid { friction },
                 BoundaryKindScene::Absorbing { longitudinal, shear } => {
                     BoundaryKind::Absorbing { longitudinal, shear }
                 }
@@ -437,6 +438,14 @@ impl SmpmScene {
             if !(1..=self.dimension).contains(&boundary.axis) {
                 let message = format!("axis {}; axes are 1 to {}", boundary.axis, self.dimension);
                 return Err(Objection::new(format!("{path}.axis"), message));
+            }
+            if let BoundaryKindScene::Frictional { friction } = boundary.kind
+                && (friction.is_nan() || friction < 0.0)
+            {
+                let message =
+                    format!("the friction coefficient is {friction}; it must be 0 or above");
+                return Err(Objection::new(format!("{path}.kind.rigid.friction"), message)
+                    .with_help("write a coefficient such as 0.3"));
             }
             let plane = |of: &BoundaryScene| (of.axis, (of.position + 0.0).to_bits(), of.side);
             let earlier = self.boundaries[..i].iter().position(|of| plane(of) == plane(boundary));

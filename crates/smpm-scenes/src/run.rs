@@ -1,6 +1,7 @@
 //! Runs a scene of bodies on a grid: mean and variance of every response, with trust indicators.
 
 mod answers;
+mod balance;
 mod fields;
 mod findings;
 mod ingredients;
@@ -19,6 +20,7 @@ use result_figures::{Band, Drawing, Line, Scale, TimeSeries, Words};
 use scene_runs::kind::{Completed, Output, Run, RunError, SceneKind};
 use scene_runs::machine::Machine;
 use scene_runs::models::edit;
+use scene_runs::output::write_text;
 use scene_runs::result_file::ResultFile;
 use scene_runs::scene::{Objection, SceneFile};
 use smpm::Plan;
@@ -108,7 +110,7 @@ fn run_in<const D: usize>(
     for line in ranking(&plan, &answer) {
         run.progress.stage(&line);
     }
-    let (files, motion) = fields.finish().map_err(RunError::Solver)?;
+    let (mut files, motion) = fields.finish().map_err(RunError::Solver)?;
     let gauges = by_gauge(scene, &plan, &answer.responses);
     let failure =
         |(sample, reason): &(u64, String)| Failure { sample: *sample, reason: reason.clone() };
@@ -124,6 +126,7 @@ fn run_in<const D: usize>(
         random_fields: experiment.fields().iter().map(FieldResult::of).collect(),
         failures: answer.failures.iter().map(failure).collect(),
         multilevel: answer.multilevel,
+        balance: answer.balance,
         gauges,
     };
     let answers = answers::answers(scene, &content);
@@ -131,6 +134,11 @@ fn run_in<const D: usize>(
         let mut report = findings::report(scene, &content);
         let drawings = report.drawn("charts", drawings(scene, &plan, &content.gauges));
         let result = ResultFile::new("response-moments/1", scene, &content)?;
+        if let Some((folder, csv)) = run.folder().zip(balance::csv(scene, &content.balance)) {
+            let path = folder.join("balance.csv");
+            write_text(&path, &csv).map_err(RunError::solver)?;
+            files.push(path);
+        }
         Ok(Output { result, files, drawings, motions: motion.into_iter().collect(), report })
     }))
 }

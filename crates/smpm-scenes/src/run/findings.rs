@@ -7,6 +7,7 @@ use result_pages::{Cell, Chart, Note, Point, Series, Source};
 use scene_runs::answers::Number;
 use scene_runs::report::{self, Report, cell, chart, given_cell, method_words, short_cell};
 
+use super::balance;
 use super::record::{Content, GaugeResult, QuantityResult};
 use super::response::Response;
 use crate::method_scene::MethodScene;
@@ -28,6 +29,10 @@ pub(super) fn report(scene: &SmpmScene, content: &Content) -> Report {
     charts(content, time, &mut report);
     index_charts(content, time, &mut report);
     tables(content, time, &mut report);
+    if let Some((table, chart)) = balance::shown(scene, &content.balance) {
+        report.tables.push(table);
+        report.charts.push(chart);
+    }
     report.fact("method", method_words(&scene.method));
     report.counts(&content.work);
     report.fact("errors", "those of the method on this grid; the error of the grid is in no number: halve the cell and compare");

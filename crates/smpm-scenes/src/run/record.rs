@@ -4,6 +4,7 @@ use scene_runs::scene::NamedFile;
 use serde::Serialize;
 use smpm::{Plan, Quantity};
 
+use super::balance::BalanceRecord;
 use super::levels::multilevel_record::MultilevelRecord;
 use super::response::Response;
 use crate::random_fields::PreparedField;
@@ -25,6 +26,9 @@ pub(super) struct Content {
     pub(super) random_fields: Vec<FieldResult>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) multilevel: Option<MultilevelRecord>,
+    /// Of the reference run at the start and at each time; absent with multilevel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) balance: Vec<BalanceRecord>,
     pub(super) gauges: Vec<GaugeResult>,
 }
 

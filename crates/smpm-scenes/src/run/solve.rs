@@ -8,6 +8,7 @@ use scene_runs::kind::{EnsemblePart, Inputs, Run, RunError};
 use smpm::uncertainty::{FrozenForm, Sampled, Series, SeriesError, Study};
 use smpm::{Error, Plan, Simulation};
 
+use super::balance::{BalanceRecord, records};
 use super::fields::Fields;
 use super::kept::KeptRuns;
 use super::levels::multilevel_record::MultilevelRecord;
@@ -49,6 +50,8 @@ pub(super) struct Answer {
     pub(super) notes: Vec<String>,
     /// Grids of a multilevel estimate.
     pub(super) multilevel: Option<MultilevelRecord>,
+    /// Balance of the reference run.
+    pub(super) balance: Vec<BalanceRecord>,
 }
 
 /// Runs the method of a scene whose parameters or fields are random.
@@ -138,8 +141,17 @@ fn solve_kept<const D: usize>(
     let cpu_seconds = kept.cpu_seconds() + seconds_elsewhere;
     let n_steps = study.schedule().n_steps();
     let (notes, multilevel) = (scene.torn(study.torn()), None);
-    let answer = Answer { responses, n_steps, n_runs, cpu_seconds, failures, notes, multilevel };
-    Ok(Solved::Whole(answer))
+    let balance = records(scene, study.balance());
+    Ok(Solved::Whole(Answer {
+        responses,
+        n_steps,
+        n_runs,
+        cpu_seconds,
+        failures,
+        notes,
+        multilevel,
+        balance,
+    }))
 }
 
 /// Responses from samples: with a Taylor series or a fitted polynomial as control variate, with Sobol' indices, or as they are.

@@ -100,6 +100,7 @@ fn solve_kept<const D: usize>(
         failures: Vec::new(),
         notes: notes(&grids, &targets, &found, &record),
         multilevel: Some(record),
+        balance: Vec::new(),
     }))
 }
 

@@ -26,9 +26,9 @@ use crate::sweep_scene::SweepScene;
 /// Runs of a round by which a bracket is divided.
 const BRACKET_ROUND: usize = 2;
 /// Runs of a round with random parameters; the values of a round follow from all rounds before.
-const ROUND: u64 = 4;
+const ROUND: usize = 4;
 /// Runs with random parameters before the band of the probability may end them.
-const FEWEST_RUNS: u64 = 20;
+const FEWEST_RUNS: usize = 20;
 /// Width of the bracket at the centre before runs with random parameters, in ranges.
 const FIRST_BRACKET: f64 = 0.05;
 /// Largest share of runs that may fail.
@@ -53,11 +53,11 @@ pub(super) fn solve<const D: usize>(
         MethodScene::MonteCarlo { samples, .. } => {
             run.progress.stage("runs with random parameters");
             let model = sampled(sweep, samples, &mut runs)?;
-            if runs.n_sampled() == samples && !is_known(&model, sweep) {
+            if runs.n_sampled() as u64 == samples && !is_known(&model, sweep) {
                 notes.push(format!(
                     "the half width of the probability is above {} after all {}: allow more `samples` or a wider `band`",
                     tidy(sweep.band),
-                    counted(runs.n_sampled() as usize, "run"),
+                    counted(runs.n_sampled(), "run"),
                 ));
             }
             Found::Probability(model)
@@ -133,13 +133,14 @@ fn sampled<const D: usize>(
         // Runs at the centre show where to search; they are no trials of random parameters.
         let known = model(&runs.trials(|_| true))?;
         let of_samples = model(&runs.trials(|it| it.sample.is_some()))?;
-        if n == samples || n >= FEWEST_RUNS && is_known(&of_samples, sweep) {
+        let left = samples - n as u64;
+        if left == 0 || n >= FEWEST_RUNS && is_known(&of_samples, sweep) {
             return Ok(of_samples);
         }
-        let next = ROUND.min(samples - n);
-        let levels = known.next_levels(n as usize, next as usize);
+        let next = usize::try_from(left).map_or(ROUND, |left| ROUND.min(left));
+        let levels = known.next_levels(n, next);
         let asked: Vec<_> =
-            levels.into_iter().zip(n..).map(|(level, k)| (level, Some(k))).collect();
+            levels.into_iter().zip(n as u64..).map(|(level, k)| (level, Some(k))).collect();
         runs.round(&asked)?;
         failures(runs.all())?;
     }

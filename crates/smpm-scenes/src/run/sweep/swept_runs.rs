@@ -162,8 +162,8 @@ impl<'a, const D: usize> SweptRuns<'a, D> {
     }
 
     /// Number of runs with random parameters.
-    pub(super) fn n_sampled(&self) -> u64 {
-        self.all.iter().filter(|it| it.sample.is_some()).count() as u64
+    pub(super) fn n_sampled(&self) -> usize {
+        self.all.iter().filter(|it| it.sample.is_some()).count()
     }
 
     pub(super) fn n_particles(&self) -> usize {
@@ -206,7 +206,7 @@ impl<'a, const D: usize> SweptRuns<'a, D> {
         };
         let done = asked.par_iter().enumerate().map(one).collect::<Result<Vec<_>, SolveError>>()?;
         self.all.extend(done.iter().cloned());
-        let (n, most) = (self.n_sampled(), self.most.max(1));
+        let (n, most) = (self.n_sampled() as u64, self.most.max(1));
         self.run.progress.at((n, most), || self.words());
         let allowed = self.pace.at(n as f64 / most as f64);
         if allowed.is_err() || self.checkpoint.is_due() {

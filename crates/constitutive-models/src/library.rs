@@ -208,11 +208,13 @@ mod tests {
                     ),
                     "jwl" => {
                         let burn = Detonation { point: [0.0; 3], cells: 1.0 };
-                        drop(Jwl::new(made!(JwlParameters, "jwl", name, units), burn).unwrap());
+                        Jwl::new(made!(JwlParameters, "jwl", name, units), burn)
+                            .map(|_| ())
+                            .unwrap();
                     }
                     "damage" => {
                         let breaks = made!(JohnsonCookDamageParameters, "damage", name, units);
-                        drop(JohnsonCookDamage::new(flow(name), breaks).unwrap());
+                        JohnsonCookDamage::new(flow(name), breaks).map(|_| ()).unwrap();
                     }
                     other => panic!("{other}"),
                 }

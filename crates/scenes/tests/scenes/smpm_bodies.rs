@@ -143,7 +143,8 @@ fn octahedron(turned: bool) -> String {
             corners.swap(0, 1);
         }
         text += "facet normal 0 0 0\nouter loop\n";
-        corners.iter().for_each(|[x, y, z]| text += &format!("vertex {x} {y} {z}\n"));
+        let vertex = |[x, y, z]: &[i32; 3]| format!("vertex {x} {y} {z}\n");
+        text += &corners.iter().map(vertex).collect::<String>();
         text += "endloop\nendfacet\n";
     }
     text + "endsolid tip\n"

@@ -444,7 +444,7 @@ impl SmpmScene {
             {
                 let message =
                     format!("the friction coefficient is {friction}; it must be 0 or above");
-                return Err(Objection::new(format!("{path}.kind.rigid.friction"), message)
+                return Err(Objection::new(format!("{path}.kind.frictional.friction"), message)
                     .with_help("write a coefficient such as 0.3"));
             }
             let plane = |of: &BoundaryScene| (of.axis, (of.position + 0.0).to_bits(), of.side);

@@ -1,13 +1,10 @@
 //! A scene of bodies on a grid as written in its JSON file.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{self, IntoDeserializer, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use smpm::Window;
 use smpm::uncertainty::Design;
 
@@ -217,9 +214,9 @@ pub enum SideScene {
 }
 
 /// Boundary condition of a plane.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(example = Self::Absorbing { longitudinal: 0.6, shear: 0.32 })]
+#[schemars(example = Self::Absorbing { longitudinal: 0.6, shear: 0.32 }, example = Self::Frictional { friction: 0.3 })]
 pub enum BoundaryKindScene {
     /// Symmetry plane.
     Symmetry,
@@ -228,7 +225,6 @@ pub enum BoundaryKindScene {
     /// A rigid wall without friction.
     Rigid,
     /// A rigid wall with Coulomb friction.
-    #[serde(rename = "rigid")]
     Frictional {
         /// Coulomb's friction coefficient (no unit).
         friction: f64,
@@ -240,51 +236,6 @@ pub enum BoundaryKindScene {
         /// Speed of shear waves (length/time of `units`).
         shear: f64,
     },
-}
-
-/// `rigid` is a word or an object: two variants of one name, which serde cannot derive.
-impl<'de> Deserialize<'de> for BoundaryKindScene {
-    fn deserialize<R: Deserializer<'de>>(from: R) -> Result<Self, R::Error> {
-        #[derive(Deserialize)]
-        #[serde(rename_all = "snake_case")]
-        enum Word {
-            Symmetry,
-            Clamped,
-            Rigid,
-        }
-        #[derive(Deserialize)]
-        #[serde(rename_all = "snake_case", deny_unknown_fields)]
-        enum Keyed {
-            Rigid { friction: f64 },
-            Absorbing { longitudinal: f64, shear: f64 },
-        }
-        struct Kind;
-        impl<'de> Visitor<'de> for Kind {
-            type Value = BoundaryKindScene;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a word, or an object with one key")
-            }
-
-            fn visit_str<E: de::Error>(self, word: &str) -> Result<Self::Value, E> {
-                Ok(match Word::deserialize(word.into_deserializer())? {
-                    Word::Symmetry => BoundaryKindScene::Symmetry,
-                    Word::Clamped => BoundaryKindScene::Clamped,
-                    Word::Rigid => BoundaryKindScene::Rigid,
-                })
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, keys: A) -> Result<Self::Value, A::Error> {
-                Ok(match Keyed::deserialize(MapAccessDeserializer::new(keys))? {
-                    Keyed::Rigid { friction } => BoundaryKindScene::Frictional { friction },
-                    Keyed::Absorbing { longitudinal, shear } => {
-                        BoundaryKindScene::Absorbing { longitudinal, shear }
-                    }
-                })
-            }
-        }
-        from.deserialize_any(Kind)
-    }
 }
 
 /// A body.

@@ -47,7 +47,7 @@ pub(super) fn report(scene: &SmpmScene, sweep: &SweepScene, content: &SweepConte
         let row = |it: &super::record::ProbabilityAt| {
             let [low, high] = it.interval;
             vec![
-                given_cell(it.value),
+                cell(Some(it.value)),
                 cell(Some(it.probability)),
                 cell(Some(low)),
                 cell(Some(high)),

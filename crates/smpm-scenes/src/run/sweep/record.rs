@@ -1,6 +1,6 @@
 //! Result of a sweep: schema `sweep/1`, and its answers.
 
-use result_figures::number::counted;
+use result_figures::number::{counted, tidy};
 use scene_runs::answers::{Answer, AnswerValue, Answers, ErrorOrigin, Number, Role, Statistic};
 use scene_runs::scene::NamedFile;
 use serde::Serialize;
@@ -171,14 +171,14 @@ pub(super) fn answers(sweep: &SweepScene, content: &SweepContent) -> Answers {
     }
     for it in &result.probabilities {
         let unit = if result.unit.is_empty() { String::new() } else { format!(" {}", result.unit) };
-        let words = format!("probability of {event} at {}{unit}", it.value);
+        let words = format!("probability of {event} at {}{unit}", tidy(it.value));
         let number = Number {
             value: it.probability,
             error: Some(it.error()),
             error_kind: ErrorOrigin::Interval,
         };
         let remark = format!("larger side of the 95 % interval of a {of_model}");
-        let id = format!("probability/{}", it.value);
+        let id = format!("probability/{}", tidy(it.value));
         list.push(answer(&id, words, Statistic::Probability, number, Some(remark)));
     }
     Answers { cpu_seconds: content.work.cpu_seconds, list }

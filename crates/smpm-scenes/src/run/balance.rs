@@ -130,7 +130,8 @@ mod tests {
 
     #[test]
     fn a_run_records_its_balance_and_with_friction_no_energy_error() {
-        for (kind, has_error) in [("\"clamped\"", true), ("{\"rigid\":{\"friction\":0.3}}", false)]
+        for (kind, has_error) in
+            [("\"clamped\"", true), ("{\"frictional\":{\"friction\":0.3}}", false)]
         {
             let text = BAR.replace("-1200", "-12").replace("\"clamped\"", kind);
             let out = std::env::temp_dir().join(format!("balance-{}", std::process::id()));

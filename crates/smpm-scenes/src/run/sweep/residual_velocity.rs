@@ -26,15 +26,18 @@ const FEWEST_POINTS: usize = 5;
 /// Points along each constant of a search, and how often it is narrowed.
 const POINTS: usize = 24;
 const NARROWINGS: usize = 12;
+/// Range of the exponent.
+const EXPONENTS: [f64; 2] = [1.0, 8.0];
 
 impl ResidualVelocity {
-    /// The fit of points (impact velocity, residual velocity), both positive; `None` for fewer than five.
+    /// The fit of points (impact velocity, residual velocity), both positive; `None` for fewer than five, and where they do not
+    /// determine it: an exponent at an end of its range, or residual velocities that outgrow the impact's.
     pub(super) fn fit(points: &[(f64, f64)]) -> Option<Self> {
         if points.len() < FEWEST_POINTS {
             return None;
         }
         let slowest = points.iter().map(|&(v, _)| v).fold(f64::INFINITY, f64::min);
-        let (mut limits, mut exponents) = ([0.5 * slowest, slowest], [1.0, 8.0]);
+        let (mut limits, mut exponents) = ([0.5 * slowest, slowest], EXPONENTS);
         let mut best: Option<Self> = None;
         for _ in 0..NARROWINGS {
             let along = |[low, high]: [f64; 2], k: usize| {
@@ -55,7 +58,8 @@ impl ResidualVelocity {
             let found = best?;
             (limits, exponents) = (near(limits, found.limit), near(exponents, found.exponent));
         }
-        best
+        let is_inside = |p: f64| p > 1.01 * EXPONENTS[0] && p < 0.99 * EXPONENTS[1];
+        best.filter(|fit| is_inside(fit.exponent) && fit.factor <= 1.0)
     }
 
     /// The fit with a limit and an exponent.
@@ -89,5 +93,8 @@ mod tests {
         assert!((fit.limit - 184.5).abs() < 0.2, "{fit:?}");
         assert!((fit.factor - 0.79).abs() < 0.01 && (fit.exponent - 2.4).abs() < 0.05, "{fit:?}");
         assert!(ResidualVelocity::fit(&points[..4]).is_none());
+        // A line through the limit is no such curve.
+        let line: Vec<(f64, f64)> = points.iter().map(|&(v, _)| (v, v - 180.0)).collect();
+        assert!(ResidualVelocity::fit(&line).is_none());
     }
 }

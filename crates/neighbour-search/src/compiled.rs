@@ -56,13 +56,11 @@ impl<O: sorted::Near<D>, const D: usize> Search<O, D> {
     const HERE: Self = Self {
         list: |(order, rows), points, radii, listed, list| {
             order.sort(points, radii)?;
-            rows.list(order, points, radii, listed, list);
-            Ok(())
+            rows.list(order, points, radii, listed, list)
         },
         visit: |(order, rows), points, radii, visit| {
             order.sort(points, radii)?;
-            rows.visit(order, points, radii, visit);
-            Ok(())
+            rows.visit(order, points, radii, visit)
         },
         build: O::build,
         nearest,

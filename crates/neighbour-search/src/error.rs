@@ -102,4 +102,17 @@ pub enum Error {
         /// Number of points.
         points: usize,
     },
+    /// A list above 512 MiB has more than 4,096 neighbours for each of a thousand points.
+    #[error(
+        "the list of {points} points exceeds {entries} entries, with over {neighbours} neighbours for each of a thousand points: \
+         take a smaller radius; points that coincide are all neighbours"
+    )]
+    TooManyNeighbours {
+        /// Number of points.
+        points: usize,
+        /// Entries that any list may have.
+        entries: usize,
+        /// Neighbours of a point, on average over a thousand, that a larger list may have.
+        neighbours: usize,
+    },
 }

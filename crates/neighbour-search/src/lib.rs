@@ -23,6 +23,7 @@ mod neighbourhood;
 mod parallel;
 mod query;
 mod radii;
+mod room;
 mod row;
 mod rows;
 mod search;

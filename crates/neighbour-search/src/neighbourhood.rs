@@ -39,6 +39,7 @@ use crate::domain::square;
 use crate::frame::{Bounds, Frame};
 use crate::index::stored;
 use crate::radii::Radii;
+use crate::room::Room;
 use crate::sorted::{Listed, Order, Rule, Sorted, Stretch};
 
 /// Coordinate of padding: its square overflows to infinity, so every comparison rejects it.
@@ -380,6 +381,8 @@ pub(crate) struct Scan<'a, const D: usize> {
     pub(crate) memory: &'a mut Vec<u32>,
     /// End of the row of each slot.
     pub(crate) ends: &'a mut [usize],
+    /// What the rows of all scans may hold.
+    pub(crate) room: &'a Room,
 }
 
 impl<const D: usize> Work<f32> for Scan<'_, D> {
@@ -399,11 +402,11 @@ impl<const D: usize> Work<f32> for Scan<'_, D> {
 impl<const D: usize> Scan<'_, D> {
     #[inline(always)]
     fn scan<R: Registers<f32>, S: Sight>(self, registers: R, sight: S) {
-        let Self { order, question, slots, neighbourhood, memory, ends } = self;
+        let Self { order, question, slots, neighbourhood, memory, ends, room } = self;
         let (rule, sorted) = (Rule::of(question.radii), order.sorted());
         let (mut filled, mut slot) = (0, slots.start);
         let mut group = if slots.is_empty() { 0 } else { order.group_of(slot) };
-        while slot < slots.end {
+        while slot < slots.end && !room.is_exceeded() {
             let targets = slot..order.group_end(group).min(slots.end);
             group += 1;
             if targets.is_empty() {
@@ -413,9 +416,12 @@ impl<const D: usize> Scan<'_, D> {
             let shared = frame.bounds(rule.mine(0.0));
             let candidates = neighbourhood.candidates::<R>();
             for (k, slot) in targets.clone().enumerate() {
-                let room = filled + neighbourhood.len + 2 * MOST_LANES;
-                if memory.len() < room {
-                    memory.resize(room, 0);
+                let needed = filled + neighbourhood.len + 2 * MOST_LANES;
+                if memory.len() < needed {
+                    if !room.takes(needed, needed - memory.len()) {
+                        return;
+                    }
+                    memory.resize(needed, 0);
                 }
                 let own = sorted.radii.get(slot);
                 let bounds = own.map_or(shared, |&radius| frame.bounds(rule.mine(radius)));

@@ -3,10 +3,12 @@
 use simd_lanes::SimdLevel;
 
 use crate::domain::square;
+use crate::error::Error;
 use crate::list::{CHUNK, NeighbourList};
 use crate::neighbourhood::{Entries, Neighbourhood, Question, Scan};
 use crate::parallel::Part;
 use crate::radii::Radii;
+use crate::room::Room;
 use crate::row::Row;
 use crate::sorted::{Listed, Order, Sorted};
 
@@ -39,7 +41,10 @@ impl<const D: usize> Rows<D> {
         Self { level, ..Self::default() }
     }
 
-    /// Fills `list` with the rows of every point.
+    /// Fills `list` with the rows of every point. After an error it is empty.
+    ///
+    /// # Errors
+    /// [`Error::TooManyNeighbours`].
     pub(crate) fn list(
         &mut self,
         order: &dyn Order<D>,
@@ -47,12 +52,12 @@ impl<const D: usize> Rows<D> {
         radii: Radii<'_>,
         listed: Listed,
         list: &mut NeighbourList,
-    ) {
+    ) -> Result<(), Error> {
         let sorted = order.sorted();
         list.restart(points.len(), &sorted.domain, Some(sorted.order()));
         self.make_room(points.len().div_ceil(CHUNK));
         let question = Question { points, radii, listed, entries: Entries::Ids };
-        let level = self.level;
+        let (level, room) = (self.level, Room::default());
         list.for_each_part(&mut self.scratch, |Part { chunk, indices, ends, scratch }| {
             let first = chunk * CHUNK;
             let slots = first..first + ends.len();
@@ -63,29 +68,38 @@ impl<const D: usize> Rows<D> {
                 neighbourhood: scratch,
                 memory: indices,
                 ends,
+                room: &room,
             });
         });
+        room.check(points.len()).inspect_err(|_| *list = NeighbourList::new())
     }
 
     /// Calls `visit` with every row, in the order of the slots, after finding a stretch of rows at a time.
+    ///
+    /// # Errors
+    /// [`Error::TooManyNeighbours`], after the rows of earlier stretches.
     pub(crate) fn visit(
         &mut self,
         order: &dyn Order<D>,
         points: &[[f64; D]],
         radii: Radii<'_>,
         visit: &mut dyn FnMut(Row<'_, D>),
-    ) {
+    ) -> Result<(), Error> {
         self.make_room(1);
         let Self { level, scratch, memory, ends, batch } = self;
-        let Some(neighbourhood) = scratch.first_mut() else { return };
-        let (sorted, listed) = (order.sorted(), Listed::Full);
+        let Some(neighbourhood) = scratch.first_mut() else { return Ok(()) };
+        let (sorted, listed, room) = (order.sorted(), Listed::Full, Room::default());
         let question = Question { points, radii, listed, entries: Entries::Slots };
         ends.resize(CHUNK, 0);
         for first in (0..points.len()).step_by(CHUNK) {
             let slots = first..points.len().min(first + CHUNK);
             let ends = &mut ends[..slots.len()];
             let neighbourhood = &mut *neighbourhood;
-            level.run(Scan { order, question, slots: slots.clone(), neighbourhood, memory, ends });
+            let slots_of = slots.clone();
+            let scan =
+                Scan { order, question, slots: slots_of, neighbourhood, memory, ends, room: &room };
+            level.run(scan);
+            room.check(points.len())?;
             let mut begin = 0;
             for (slot, &mut end) in slots.zip(ends) {
                 batch.fill(sorted, points, slot, &memory[begin..end]);
@@ -98,6 +112,7 @@ impl<const D: usize> Rows<D> {
                 });
             }
         }
+        Ok(())
     }
 
     fn make_room(&mut self, chunks: usize) {
@@ -233,11 +248,13 @@ mod tests {
             let mut cells = Cells::default();
             cells.lay_and_place(&points, radii, 0.3);
             let mut portable = NeighbourList::new();
-            Rows::at(SimdLevel::PORTABLE).list(&cells, &points, radii, Listed::Full, &mut portable);
+            Rows::at(SimdLevel::PORTABLE)
+                .list(&cells, &points, radii, Listed::Full, &mut portable)
+                .unwrap();
             assert!(portable.n_pairs() > 1000);
             for level in SimdLevel::available() {
                 let mut list = NeighbourList::new();
-                Rows::at(level).list(&cells, &points, radii, Listed::Full, &mut list);
+                Rows::at(level).list(&cells, &points, radii, Listed::Full, &mut list).unwrap();
                 assert_eq!(list, portable, "{level:?}");
             }
         }

@@ -65,7 +65,8 @@ pub trait NeighbourSearch<const D: usize>: Debug {
     ///
     /// # Errors
     ///
-    /// Those of [`full_list`](Self::full_list); `visit` has then not been called.
+    /// Those of [`full_list`](Self::full_list); `visit` has then not been called, except for
+    /// [`TooManyNeighbours`](Error::TooManyNeighbours), which may occur after other rows.
     fn for_each_row(
         &mut self,
         points: &[[f64; D]],

@@ -378,3 +378,18 @@ fn refused_build_leaves_the_list_as_it_was() {
     grid.full_list(&[[0.0], [f64::NAN]], Radii::Uniform(1.0), &mut list).unwrap_err();
     assert_eq!(list, before);
 }
+
+#[test]
+fn a_list_of_coinciding_points_is_refused_before_memory_ends() {
+    let points = vec![[0.3, 0.7]; 200_000];
+    let mut list = NeighbourList::new();
+    let refused = CellGrid::new().full_list(&points, Radii::Uniform(0.1), &mut list);
+    let limit = Error::TooManyNeighbours { points: 200_000, entries: 1 << 27, neighbours: 4096 };
+    assert_eq!(refused, Err(limit));
+    assert!(list.is_empty());
+    let refused = LeafTree::new().half_list(&points, Radii::Uniform(0.1), &mut list);
+    assert_eq!(refused, Err(limit));
+    // Sixteen million pairs are a list.
+    CellGrid::new().full_list(&points[..4000], Radii::Uniform(0.1), &mut list).unwrap();
+    assert_eq!(list.n_pairs(), 4000 * 3999);
+}

@@ -62,6 +62,15 @@ const LARGEST_TRIAXIALITY: f64 = 1.5;
 /// The least strain at fracture by triaxiality, the customary one of programs that read such cards.
 const LEAST_STRAIN_AT_FRACTURE: f64 = 1e-6;
 
+impl JohnsonCookDamageParameters<f64> {
+    /// The triaxiality from which `1e-6` is taken for `D1 + D2 exp(D3 eta)` (no unit); none where that is larger up to 1.5.
+    #[must_use]
+    pub fn brittle_from(&self) -> Option<f64> {
+        let from = ((LEAST_STRAIN_AT_FRACTURE - self.d1) / self.d2).ln() / self.d3;
+        (self.d3 < 0.0 && from < LARGEST_TRIAXIALITY).then_some(from)
+    }
+}
+
 impl<S: Scalar> JohnsonCookDamage<S> {
     /// Checks the parameters.
     ///
@@ -322,9 +331,13 @@ mod tests {
         let at_fracture = -0.77 + 1.45 * (-0.47_f64 * 0.33).exp();
         assert!(strain > 0.0 && (damage - strain / at_fracture).abs() < 1e-14, "{damage}");
         assert!(after_a_step(card, -1.45 * 800.0).1 >= 1.0);
+        let from = card.brittle_from().unwrap();
+        assert!((card.d1 + card.d2 * (card.d3 * from).exp() - 1e-6).abs() < 1e-15, "{from}");
+        assert_eq!(DAMAGE.brittle_from(), None);
         let by_tension =
             JohnsonCookDamageParameters { d1: f64::INFINITY, d2: 0.0, d3: 0.0, ..card };
         assert!(after_a_step(by_tension, -1.45 * 800.0).1 <= 0.0);
+        assert_eq!(by_tension.brittle_from(), None);
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 use result_figures::number::short;
 use scene_runs::scene::Objection;
+use smpm::material::JohnsonCookDamageParameters;
 
-use super::material_scene::MaterialPart::{self, Equation, Strength};
+use super::material_scene::MaterialPart::{self, Damage, Equation, Strength};
 use super::material_units::unit;
 use crate::scene::SmpmScene;
 
@@ -47,6 +48,15 @@ impl SmpmScene {
                         "material `{material}`: {name} {is} is {in_si} {in_si_unit}; materials have {low} to {high}: {mistake}? {is} {in_si_unit} would be {likely}"
                     ));
                 }
+            }
+            let damage = |name| of(Damage, name).ok_or(());
+            if let Ok(damage) = JohnsonCookDamageParameters::try_from_names(damage)
+                && let Some(from) = damage.brittle_from()
+            {
+                notes.push(format!(
+                    "material `{material}`: D1 + D2 exp(D3 eta) is below zero from a triaxiality eta of {} on; 1e-6 is taken there, so that it breaks at once",
+                    short(Some(from))
+                ));
             }
             let stiffness = of(Strength, "shear_modulus")
                 .zip(of(Equation, "density"))
@@ -99,5 +109,15 @@ mod tests {
             });
             assert!(found.iter().any(|it| it.contains(name) && it.contains(says)), "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_card_whose_strain_at_fracture_is_below_zero_is_noted() {
+        let found = notes(|scene| {
+            let material = &mut scene["materials"]["copper"];
+            material["damage"] =
+                json!({ "set": { "d1": -0.77, "d2": 1.45, "d3": -0.47, "d4": 0, "d5": 1.6 } });
+        });
+        assert!(found.len() == 1 && found[0].contains("a triaxiality eta of 1.35"), "{found:?}");
     }
 }

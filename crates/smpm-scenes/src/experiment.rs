@@ -76,13 +76,14 @@ impl<const D: usize> SceneExperiment<D> {
         })
     }
 
-    /// The experiment with other numbers at paths. A body of another size or rotation has as many particles as before.
+    /// The experiment with other numbers at paths. Every body keeps its particles: those of another size or rotation are moved.
     ///
     /// # Errors
     /// An [`Objection`] to a number with which the scene cannot be.
     pub(crate) fn at_numbers(&self, numbers: &[NumberAt<'_>]) -> Result<Self, Objection> {
         let scene = self.scene.with_numbers(numbers)?;
         let mut varied = Self::new(&scene)?;
+        varied.fills.clone_from(&self.fills);
         let of_bodies = numbers.iter().filter_map(|(path, _)| self.scene.moved_body(path));
         let of_bodies: Vec<usize> = of_bodies.map(|(number, _)| number).collect();
         for &b in &of_bodies {

@@ -113,7 +113,8 @@ impl BodyScene {
     }
 }
 
-/// The particles of a body after a change of its size or rotation: as many as before, so that responses are continuous.
+/// The particles of a body after a change of its size or rotation: as many as before, so that responses are continuous. A box is filled
+/// whole.
 pub(crate) fn moved<const D: usize>(
     fill: &Fill<D>,
     before: &BodyRegion<D>,
@@ -122,7 +123,7 @@ pub(crate) fn moved<const D: usize>(
     if let Some(turn) = before.turn(after) {
         return Fill { positions: fill.positions.iter().map(turn).collect(), ..*fill };
     }
-    let ((low, high), (new_low, new_high)) = (before.bounds(), after.bounds());
+    let ((low, high), (new_low, new_high)) = (before.filled(fill), after.bounds());
     let factor: [f64; D] = std::array::from_fn(|k| (new_high[k] - new_low[k]) / (high[k] - low[k]));
     let place = |x: &[f64; D]| std::array::from_fn(|k| new_low[k] + (x[k] - low[k]) * factor[k]);
     Fill {

@@ -88,3 +88,33 @@ fn a_longer_sweep_has_the_runs_of_a_shorter_one() {
     };
     assert_eq!(runs(12), runs(24));
 }
+
+#[test]
+fn a_swept_size_keeps_its_particles_where_another_number_is_random() {
+    let random = GRAVITY.replace("gravity[0]", "bodies[0].velocity[0]");
+    let scene = changed(
+        &random_flight(12),
+        &[
+            (GRAVITY, random.as_str()),
+            ("'within': [[0], [0.4]]", "'within': [[0], [1]]"),
+            (
+                "'number': 'bodies[0].velocity[0]', 'from': 4, 'to': 12",
+                "'number': 'bodies[0].shape.box.to[0]', 'from': 0.2, 'to': 0.8",
+            ),
+            ("'above': 3.2", "'above': 10.25"),
+            ("'gravity': [-10.0]", "'gravity': [0.0]"),
+            // No whole number of layers.
+            ("'to': [0.4]", "'to': [0.43]"),
+        ],
+    );
+    let result = SceneRun::of(&scene).result();
+    let runs = result["sweep"]["runs"].as_array().unwrap();
+    assert!(runs.len() > 12);
+    for run in runs {
+        let at = |k: usize| number(run, &format!("/outcome/{k}"));
+        // The middle at first, by the heights at 0.5 s and 1 s, whatever the velocity is.
+        let middle = 2.0 * at(0) - at(1);
+        let size = number(run, "/value");
+        assert!((middle - size / 2.0).abs() < 1e-9, "{middle} of {size}");
+    }
+}

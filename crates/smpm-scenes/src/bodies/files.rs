@@ -80,10 +80,7 @@ fn read_file<T>(
     of: impl Fn(NamedFile, Vec<u8>) -> Result<T, String>,
 ) -> Result<Arc<T>, Objection> {
     let path = format!("{path}.file");
-    let (named, bytes) = NamedFile::read(file, folder).map_err(|error| {
-        let help = "a path is taken from the folder of the scene";
-        Objection::new(&path, format!("cannot read {file}: {error}")).with_help(help)
-    })?;
+    let (named, bytes) = NamedFile::beside((file, folder), &path, "")?;
     let read =
         of(named, bytes).map_err(|message| Objection::new(path, format!("{file} {message}")));
     read.map(Arc::new)

@@ -115,11 +115,18 @@ impl SmpmScene {
     pub(crate) fn rounded_sizes(&self) -> Vec<String> {
         let spacing = self.grid.cell / f64::from(self.grid.particles_per_cell);
         let mut notes = Vec::new();
-        for body in &self.bodies {
+        let numbers = self.random.iter().map(|random| &random.parameter);
+        let numbers: Vec<&String> =
+            numbers.chain(self.sweep.iter().map(|sweep| &sweep.number)).collect();
+        for (i, body) in self.bodies.iter().enumerate() {
             // A rotated box is not filled by whole layers.
             let (SolidScene::Box { from, to }, None) = (&body.shape, &body.rotation) else {
                 continue;
             };
+            // Particles of a box whose size varies are stretched to it.
+            if numbers.iter().any(|path| path.starts_with(&format!("bodies[{i}].shape."))) {
+                continue;
+            }
             for (axis, (from, to)) in from.iter().zip(to).enumerate() {
                 let asked = to - from;
                 // A layer counts if its middle lies inside.

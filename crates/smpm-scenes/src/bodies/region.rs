@@ -50,6 +50,17 @@ impl<const D: usize> BodyRegion<D> {
         self.rotation.as_ref().map_or(bounds, |rotation| rotation.bounds(bounds))
     }
 
+    /// The box that its particles fill: of a box whole layers, which may be others than its size; of another shape that about it.
+    pub(crate) fn filled(&self, fill: &Fill<D>) -> ([f64; D], [f64; D]) {
+        let Region::Box { .. } = self.whole else { return self.bounds() };
+        let end = |start: f64, of: fn(f64, f64) -> f64, half: f64| {
+            std::array::from_fn(|k| {
+                fill.positions.iter().map(|x| x[k]).fold(start, of) + half * fill.spacing[k]
+            })
+        };
+        (end(f64::INFINITY, f64::min, -0.5), end(f64::NEG_INFINITY, f64::max, 0.5))
+    }
+
     /// The box of its lattice: that about it or, if it is rotated, boxes of the lattice of the grid.
     pub(crate) fn lattice(&self, spacing: f64) -> ([f64; D], [f64; D]) {
         let (low, high) = self.bounds();

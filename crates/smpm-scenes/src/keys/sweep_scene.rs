@@ -9,7 +9,7 @@ use super::quantity_name::QuantityName;
 /// A sweep over one number: the value at which an event begins, or the probability of the event over that number.
 ///
 /// With `deterministic` the value is bracketed at the centre of the parameters. With `monte_carlo` every run has its own random
-/// parameters, at most so many as `samples`; numbers near the limit are chosen as runs come in.
+/// parameters, and `samples` is the largest number of runs; values near the limit are chosen as runs come in.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SweepScene {

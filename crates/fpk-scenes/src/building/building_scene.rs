@@ -73,7 +73,8 @@ pub enum HysteresisScene {
 pub struct GroundScene {
     /// What the white noise passes on its way to the building.
     pub soil: SoilScene,
-    /// `S_0`, the intensity of the white noise: `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3).
+    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3): `pi` times a two-sided spectral
+    /// density per rad/s, a quarter of a one-sided one per Hz.
     pub noise_intensity: f64,
     /// `e(t)`, the modulating function of the white noise, before a filter.
     #[serde(default)]

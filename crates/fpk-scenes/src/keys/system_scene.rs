@@ -41,7 +41,8 @@ pub enum SystemScene {
         self_excitation: f64,
         /// `b`, the damping that grows with the energy (s/m^2).
         energy_damping: f64,
-        /// `S_0`, the diffusion of the velocity (m^2/s^3).
+        /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3): `pi` times a two-sided spectral
+        /// density per rad/s, a quarter of a one-sided one per Hz.
         noise_intensity: f64,
         /// Modulating function of the noise.
         window: Window,

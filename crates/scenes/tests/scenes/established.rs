@@ -100,6 +100,33 @@ fn linearisation_does_not_know_its_error_but_on_a_linear_system() {
 }
 
 #[test]
+fn a_spectral_density_is_the_intensity_over_pi() {
+    // A structure of 5 rad/s and 5 % behind the filters of Clough and Penzien, stationary after a minute.
+    let scene = r#"{ "solver": "fpk-sph", "title": "stationary",
+        "system": { "clough_penzien": { "structure": { "linear_oscillator": {
+            "natural_frequency": 5, "damping_ratio": 0.05, "noise_intensity": 0.05, "window": "stationary" } },
+            "ground_frequency": 15.6, "ground_damping": 0.6, "low_cut_frequency": 1.5, "low_cut_damping": 0.6 } },
+        "initial": { "stationary_filter": { "mean": [0, 0], "standard_deviation": [0.01, 0.05] } },
+        "method": { "statistical_linearisation": { "step": 0.01 } },
+        "times": { "until": 60, "every": 60 }, "moments": [[2, 0, 0, 0, 0, 0]], "thresholds": [0.3] }"#;
+    let (value, _, _) = last(&result(scene), "moment/2-0-0-0-0-0").unwrap();
+    // |1/(w_0^2 - w^2 + 2 i xi w_0 w)|^2, and the same of both filters with their numerators.
+    let below = |w: f64, own: f64, damping: f64| {
+        (own * own - w * w).powi(2) + (2.0 * damping * own * w).powi(2)
+    };
+    let density = |w: f64| {
+        let soil = 15.6_f64.powi(4) + (2.0 * 0.6 * 15.6 * w).powi(2);
+        0.05 / std::f64::consts::PI * soil / below(w, 15.6, 0.6) * w.powi(4)
+            / below(w, 1.5, 0.6)
+            / below(w, 5.0, 0.05)
+    };
+    // Both sides, by the midpoint rule; beyond 200 rad/s there are 1e-9 of it.
+    let integral: f64 =
+        (0..100_000).map(|k| 2.0 * 0.002 * density(0.002 * (f64::from(k) + 0.5))).sum();
+    assert!((value / integral - 1.0).abs() < 1e-6, "{value} {integral}");
+}
+
+#[test]
 fn one_probability_is_found_with_its_standard_error_and_moments_are_unknown() {
     let (expected, known) = reference("P_abs_q_gt_1.25");
     // Bias: 150 Strang steps take 2 %; a run of subset simulation the square of its coefficient of variation besides, 0.16.

@@ -27,7 +27,8 @@ pub struct BoucWenParameters {
     pub gamma: f64,
     /// `n > 0`, the sharpness of yielding (no unit).
     pub exponent: f64,
-    /// `S_0 >= 0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
+    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3): `pi` times a two-sided spectral
+    /// density per rad/s, a quarter of a one-sided one per Hz.
     pub noise_intensity: f64,
     /// `a(t)`, the modulating function of the noise.
     pub window: Window,

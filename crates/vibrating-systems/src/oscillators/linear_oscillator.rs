@@ -15,7 +15,8 @@ pub struct LinearOscillatorParameters {
     pub natural_frequency: f64,
     /// `xi >= 0`, the damping over the critical one (no unit).
     pub damping_ratio: f64,
-    /// `S_0 >= 0`, the diffusion of the velocity at `a = 1` (m^2/s^3).
+    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3): `pi` times a two-sided spectral
+    /// density per rad/s, a quarter of a one-sided one per Hz.
     pub noise_intensity: f64,
     /// `a(t)`, the modulating function of the noise.
     pub window: Window,

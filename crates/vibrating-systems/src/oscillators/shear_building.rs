@@ -41,7 +41,8 @@ pub struct ShearBuildingParameters {
     pub mass_damping: f64,
     /// Origin of the ground acceleration.
     pub ground: Ground,
-    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`.
+    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3): `pi` times a two-sided spectral
+    /// density per rad/s, a quarter of a one-sided one per Hz.
     pub noise_intensity: f64,
     /// `e(t)`, the window of the white noise, before a filter.
     pub window: Window,

@@ -21,7 +21,8 @@ pub struct TwoStoreyParameters {
     pub damper_coefficient: [f64; 2],
     /// `alpha > 0`, the power of the velocity in their force (no unit).
     pub damper_exponent: f64,
-    /// `S_0 >= 0`, the intensity of the ground acceleration (m^2/s^3).
+    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3): `pi` times a two-sided spectral
+    /// density per rad/s, a quarter of a one-sided one per Hz.
     pub noise_intensity: f64,
     /// `a(t)`, the modulating function of the noise.
     pub window: Window,

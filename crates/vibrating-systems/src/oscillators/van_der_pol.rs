@@ -16,7 +16,8 @@ pub struct VanDerPolRayleighParameters {
     pub self_excitation: f64,
     /// `b > 0`, damping that grows with the energy (time per displacement squared).
     pub energy_damping: f64,
-    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)`.
+    /// `S_0 >= 0`, intensity of the white noise, `E[W(t) W(t + tau)] = 2 S_0 delta(tau)` (m^2/s^3): `pi` times a two-sided spectral
+    /// density per rad/s, a quarter of a one-sided one per Hz.
     pub noise_intensity: f64,
     /// The modulating function (window).
     pub window: Window,

@@ -66,9 +66,14 @@ pub struct Exceedances {
     pub cell_integrated: Option<f64>,
     /// What that integral rests on, in words, where it is less than particles.
     pub note: Option<String>,
+    /// That integral at the thresholds [`BESIDE`] this one, which shows what differences of runs are where they change their sign here.
+    pub beside: Option<[f64; 2]>,
     /// Its error by the moment equations.
     pub offset: f64,
 }
+
+/// Thresholds beside one, over it.
+pub const BESIDE: [f64; 2] = [0.85, 1.15];
 
 /// Results at one time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -416,10 +421,15 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
     corrected: &dyn Fn(&[f64; D]) -> [f64; D],
 ) -> Result<Vec<Exceedances>, Error> {
     let magnitude = |x: &[f64; D]| asked.demand.magnitude(x);
-    let over_cells = cells.map(|cells| cells.exceedances(magnitude, &asked.thresholds));
+    let beside = asked.thresholds.iter().flat_map(|threshold| BESIDE.map(|part| part * threshold));
+    let all: Vec<f64> = asked.thresholds.iter().copied().chain(beside).collect();
+    let over_cells = cells.map(|cells| cells.exceedances(magnitude, &all));
     let over_cells = over_cells.transpose()?.unwrap_or_default();
+    let (over_cells, beside) =
+        over_cells.split_at_checked(asked.thresholds.len()).unwrap_or_default();
     let at = |(k, &threshold): (usize, &f64)| {
         let over_cells = over_cells.get(k);
+        let beside = beside.as_chunks::<2>().0.get(k);
         let log_interpolated = simulation.exceedance_log_interpolated(magnitude, threshold)?;
         let moved = |x: &[f64; D]| magnitude(&corrected(x));
         Ok(Exceedances {
@@ -428,6 +438,7 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
             offset: log_interpolated - simulation.exceedance_log_interpolated(moved, threshold)?,
             cell_integrated: over_cells.map(|over| estimate(over.probability())),
             note: over_cells.and_then(|over| note(over.probability())),
+            beside: beside.map(|two| two.map(|over| estimate(over.probability()))),
         })
     };
     asked.thresholds.iter().enumerate().map(at).collect()

@@ -199,6 +199,12 @@ impl SharedError {
     pub(crate) fn of_probability(self, value: f64) -> f64 {
         PART_SHARED * self.0 * by_scale(value)
     }
+
+    /// Of a probability at a threshold by that at another one beside it.
+    fn of_beside(beside: &Observed, value: f64) -> Option<f64> {
+        let scale = by_scale(beside.value);
+        (scale > 0.0).then_some(Self(beside.error? / scale).of_probability(value))
+    }
 }
 
 /// Values at a time.
@@ -242,6 +248,11 @@ pub(in crate::run) fn series(
     for (by, pick) in ESTIMATORS {
         for (k, &threshold) in scene.thresholds.iter().enumerate() {
             let mut values = both.values(|row| pick(&row.exceedances[k]));
+            let beside = [0, 1].map(|side| {
+                both.values(|row| {
+                    row.exceedances[k].beside.map(|probabilities| probabilities[side])
+                })
+            });
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
                 let by_runs = observed.error.unwrap_or_default();
@@ -249,6 +260,9 @@ pub(in crate::run) fn series(
                 observed.add_error(Some(row.exceedances[k].offset));
                 if by == Probability::Cell {
                     observed.raise_error(OF_CUT_CELLS * observed.value);
+                    let beside = beside.iter().filter_map(|values| at(values, observed.t));
+                    let least = beside.filter_map(|it| SharedError::of_beside(it, observed.value));
+                    observed.raise_error(least.fold(0.0, f64::max));
                     // What the cells leave out, near their rim and in folded ones.
                     observed.add_error(row.cell_mass.map(|mass| 1.0 - mass));
                     observed.note.clone_from(&row.exceedances[k].note);

@@ -6,11 +6,31 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use scenes::schema;
+use verification::case::Profile;
 use verification::{cases, verify};
 
 #[test]
 fn the_cases_have_well_formed_names_of_their_own() -> Result<(), verify::TableError> {
     verify::check_table(cases::ALL)
+}
+
+#[test]
+fn each_mutant_names_cases_that_its_profile_runs() {
+    let text = include_str!("../../xtask/src/audit/mutants.json");
+    let mutants: Vec<serde_json::Value> = serde_json::from_str(text).unwrap();
+    for mutant in mutants {
+        let filters = mutant["verify"].as_array().cloned().unwrap_or_default();
+        let filters: Vec<String> =
+            filters.iter().map(|filter| filter.as_str().unwrap().to_owned()).collect();
+        let profile = match mutant.get("profile") {
+            Some(name) => Profile::named(name.as_str().unwrap()).unwrap(),
+            None => Profile::Quick,
+        };
+        if !filters.is_empty() {
+            let selected = verify::select(cases::ALL, &filters, profile);
+            assert!(selected.is_ok(), "{}: {:?}", mutant["name"], selected.err());
+        }
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
 
-use crate::folder::root;
+use crate::folder::{root, texts};
 use crate::packages::{packages, word};
 use serde_json::Value;
 
@@ -93,4 +93,18 @@ fn scenes_of_one_solver_build_no_other() {
             assert_eq!(is_built, other == solver, "{feature}: {other}");
         }
     }
+}
+
+/// A unit test that names a table of runs, cases or charts compiles all of them once more, with the test.
+#[test]
+fn no_unit_test_names_a_table_of_whole_programs() -> std::io::Result<()> {
+    let mut named = Vec::new();
+    for (path, text) in texts(&root(), ".rs")? {
+        let tests = text.split_once("#[cfg(test)]\n").filter(|_| path.contains("/src/"));
+        let tables = ["run::KIND", "cases::ALL", "charts::ALL"];
+        let found = tables.iter().filter(|table| tests.is_some_and(|(_, it)| it.contains(**table)));
+        named.extend(found.map(|table| format!("{path}: {table}")));
+    }
+    assert!(named.is_empty(), "test these from outside, in tests/:\n{}", named.join("\n"));
+    Ok(())
 }

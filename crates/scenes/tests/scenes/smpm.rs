@@ -293,3 +293,24 @@ fn a_size_off_the_lattice_is_noted_in_the_result() {
         }
     }
 }
+
+#[test]
+fn a_run_records_its_balance_and_with_friction_no_energy_error() {
+    let bar = include_str!("../small/smpm/hanging_bar.json").replace("-1200", "-12");
+    for (kind, has_error) in [("'clamped'", true), ("{'frictional':{'friction':0.3}}", false)] {
+        let ran = SceneRun::of(&changed(&bar, &[("'clamped'", kind)]));
+        let read = |name: &str| std::fs::read_to_string(ran.out().join(name)).unwrap();
+        let (csv, page, found) = (read("balance.csv"), read("index.html"), ran.result());
+        let end = |name: &str| found["balance"][1][name].as_f64();
+        let change = end("momentum_2").unwrap() - end("gravity_impulse_2").unwrap();
+        let given = end("boundary_0_impulse_2").unwrap();
+        // Roundoff of the impulse of gravity, 3150. Seen 9e-13.
+        assert!((change - given).abs() < 5e-12, "{change} {given}");
+        assert!((end("boundary_0_mean_force_2").unwrap() * 0.25 - given).abs() < 5e-12);
+        assert_eq!(end("energy_error").is_some(), has_error);
+        let head =
+            "time (s),mass (kg per m),failed mass (kg per m),kinetic energy (kg m^2/s^2 per m)";
+        assert!(csv.starts_with(head) && csv.lines().count() == 3, "{csv}");
+        assert!(page.contains("Balance over time") && page.contains("Energies over time"));
+    }
+}

@@ -120,39 +120,3 @@ pub(super) fn csv(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<String
     let lines = std::iter::once(heads(scene, records)?).chain(records.iter().map(row));
     Some(lines.map(|cells: Vec<String>| cells.join(",") + "\n").collect())
 }
-
-#[cfg(test)]
-mod tests {
-    use scene_runs::kind::{Options, Progress};
-    use scene_runs::scene::SceneFile;
-
-    const BAR: &str = include_str!("../../../scenes/tests/small/smpm/hanging_bar.json");
-
-    #[test]
-    fn a_run_records_its_balance_and_with_friction_no_energy_error() {
-        for (kind, has_error) in
-            [("\"clamped\"", true), ("{\"frictional\":{\"friction\":0.3}}", false)]
-        {
-            let text = BAR.replace("-1200", "-12").replace("\"clamped\"", kind);
-            let out = std::env::temp_dir().join(format!("balance-{}", std::process::id()));
-            let (file, options) = (SceneFile::from_text("bar", text).unwrap(), Options::new(&out));
-            let ran = crate::run::KIND.run_file(&file, &options, &Progress::silent()).unwrap();
-            assert!(ran.unwritten.is_none() && ran.null.is_none(), "{:?}", ran.unwritten);
-            let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
-            let (csv, page) = (read("balance.csv"), read("index.html"));
-            let found: serde_json::Value = serde_json::from_str(&read("result.json")).unwrap();
-            std::fs::remove_dir_all(&out).unwrap();
-            let end = |name: &str| found["balance"][1][name].as_f64();
-            let change = end("momentum_2").unwrap() - end("gravity_impulse_2").unwrap();
-            let given = end("boundary_0_impulse_2").unwrap();
-            // Roundoff of the impulse of gravity, 3150. Seen 9e-13.
-            assert!((change - given).abs() < 5e-12, "{change} {given}");
-            assert!((end("boundary_0_mean_force_2").unwrap() * 0.25 - given).abs() < 5e-12);
-            assert_eq!(end("energy_error").is_some(), has_error);
-            let head =
-                "time (s),mass (kg per m),failed mass (kg per m),kinetic energy (kg m^2/s^2 per m)";
-            assert!(csv.starts_with(head) && csv.lines().count() == 3, "{csv}");
-            assert!(page.contains("Balance over time") && page.contains("Energies over time"));
-        }
-    }
-}

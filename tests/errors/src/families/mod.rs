@@ -10,6 +10,7 @@ mod peridyn_linear;
 mod peridyn_weakest_link;
 mod scalar_systems;
 mod smpm_responses;
+mod smpm_sweeps;
 mod stationary_oscillators;
 
 use crate::Family;
@@ -21,6 +22,7 @@ pub const ALL: &[Family] = &[
     scalar_systems::CLOSED,
     stationary_oscillators::FAMILY,
     first_passages::FAMILY,
+    smpm_sweeps::FAMILY,
     smpm_responses::FAMILY,
     estimators::FAMILY,
     peridyn_linear::FAMILY,

@@ -122,7 +122,7 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
     let first = usize::try_from(draw.whole(0, parameters.len() as u64 - 1)).unwrap_or_default();
     let can_vary =
         scene["materials"]["m"]["strength"].is_object() && !parameters[first].ends_with("density");
-    let has_field = can_vary && draw.chance(0.2);
+    let (has_field, mut has_path) = (can_vary && draw.chance(0.2), false);
     if has_field {
         scene["random_fields"] = json!([{
             "parameters": [format!("m.{}", parameters[first])],
@@ -136,7 +136,12 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
             json!({ "parameter": parameter, "law": law, "coefficient_of_variation": variation })
         };
         let mut random = vec![one(draw, parameters[first])];
-        if draw.chance(0.6) {
+        has_path = draw.chance(0.2);
+        if has_path {
+            let mut velocity = one(draw, "");
+            velocity["parameter"] = json!("bodies[0].velocity[0]");
+            random.push(velocity);
+        } else if draw.chance(0.6) {
             random.push(one(draw, parameters[(first + 1) % parameters.len()]));
             if draw.chance(0.2) {
                 scene["correlations"] = json!([{ "value": draw.between(-0.9, 0.9),
@@ -146,15 +151,14 @@ fn draw(draw: &mut Draw, hostile: bool) -> (Value, &'static str) {
         scene["random"] = json!(random);
     }
     let is_correlated = scene["correlations"].is_array();
-    let (name, method) = method(draw, has_field, is_correlated, hostile);
+    let (name, method) = method(draw, [has_field, has_path, is_correlated], hostile);
     scene["method"] = method;
     (scene, name)
 }
 
 fn method(
     draw: &mut Draw,
-    has_field: bool,
-    is_correlated: bool,
+    [has_field, has_path, is_correlated]: [bool; 3],
     hostile: bool,
 ) -> (&'static str, Value) {
     let seed = draw.whole(1, 1 << 30);
@@ -172,8 +176,8 @@ fn method(
     let control = draw.chance(0.5);
     let sampled = |control: bool| json!({ "monte_carlo": { "samples": samples, "seed": seed, "control": control } });
     match place {
-        0 => ("propagated", json!("propagated")),
-        1 if !has_field => ("frozen", json!({ "frozen": { "as_printed": false } })),
+        0 if !has_path => ("propagated", json!("propagated")),
+        1 if !has_field && !has_path => ("frozen", json!({ "frozen": { "as_printed": false } })),
         2 if !has_field => ("sigma-points", json!("sigma_points")),
         3 | 4 if !has_field => {
             ("differences", json!({ "finite_difference": { "step": step(draw, [0.02, 0.5]) } }))

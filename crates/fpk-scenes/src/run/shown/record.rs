@@ -183,6 +183,9 @@ pub(crate) struct SharedError(f64);
 /// Part of the shared error that each quantity has at least.
 const PART_SHARED: f64 = 0.25;
 
+/// Part of a probability that one beside it has at least: the relative error of a far smaller one is another.
+const PART_BESIDE: f64 = 0.3;
+
 impl SharedError {
     /// The largest of some moments, of each its error at a time and its order times its scale: the relative error of a moment of order
     /// `n` is `n` times that of a scale.
@@ -200,10 +203,11 @@ impl SharedError {
         PART_SHARED * self.0 * by_scale(value)
     }
 
-    /// Of a probability at a threshold by that at another one beside it.
+    /// Of a probability at a threshold by that at another one beside it; none where that is far smaller, as in a tail.
     fn of_beside(beside: &Observed, value: f64) -> Option<f64> {
         let scale = by_scale(beside.value);
-        (scale > 0.0).then_some(Self(beside.error? / scale).of_probability(value))
+        let is_near = scale > 0.0 && beside.value >= PART_BESIDE * value;
+        is_near.then_some(Self(beside.error? / scale).of_probability(value))
     }
 }
 
@@ -362,4 +366,18 @@ pub(crate) fn progress_words(scene: &FpkScene, system: &System, t: f64, moments:
         format!(", {} = {value:.5e}", moment_words(powers, system.states()))
     });
     format!("t = {t:.4}{words}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_probability_beside_another_counts_unless_it_is_far_smaller() {
+        let beside = |value: f64| Observed::by_two(1.0, value, Some(0.01));
+        let of = |value: f64| SharedError::of_beside(&beside(value), 0.35);
+        let expected = 0.25 * 0.01 * by_scale(0.35) / by_scale(0.3);
+        assert!((of(0.3).unwrap() - expected).abs() < 1e-15);
+        assert!(of(0.1).is_none() && of(0.0).is_none() && of(1.0).is_none());
+    }
 }

@@ -66,13 +66,13 @@ pub struct Exceedances {
     pub cell_integrated: Option<f64>,
     /// What that integral rests on, in words, where it is less than particles.
     pub note: Option<String>,
-    /// That integral at the thresholds [`BESIDE`] this one, which shows what differences of runs are where they change their sign here.
+    /// The same integral at the neighbouring thresholds [`BESIDE`]: the difference of two runs may change its sign at this one.
     pub beside: Option<[f64; 2]>,
     /// Its error by the moment equations.
     pub offset: f64,
 }
 
-/// Thresholds beside one, over it.
+/// Ratios of the neighbouring thresholds to a threshold (no unit).
 pub const BESIDE: [f64; 2] = [0.85, 1.15];
 
 /// Results at one time.

@@ -183,7 +183,7 @@ pub(crate) struct SharedError(f64);
 /// Part of the shared error that each quantity has at least.
 const PART_SHARED: f64 = 0.25;
 
-/// Part of a probability that one beside it has at least: the relative error of a far smaller one is another.
+/// Smallest ratio of the probability at a neighbouring threshold to this one: relative errors grow towards the tail.
 const PART_BESIDE: f64 = 0.3;
 
 impl SharedError {
@@ -203,7 +203,7 @@ impl SharedError {
         PART_SHARED * self.0 * by_scale(value)
     }
 
-    /// Of a probability at a threshold by that at another one beside it; none where that is far smaller, as in a tail.
+    /// Least error of a probability by that at a neighbouring threshold; none if the other probability is far smaller, as in a tail.
     fn of_beside(beside: &Observed, value: f64) -> Option<f64> {
         let scale = by_scale(beside.value);
         let is_near = scale > 0.0 && beside.value >= PART_BESIDE * value;

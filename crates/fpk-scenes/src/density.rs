@@ -1,108 +1,17 @@
 //! A run of the density solver, observed at given times.
 
-use fpk_sph::observables::{CellIntegral, Probability};
 use fpk_sph::{ConditionedSimulation, Config, Correction, Error, Simulation, Work};
 use scene_runs::clock::CpuClock;
 use sde_integrators::{Additive, GaussianMixture, NoiseClass, Sde};
 use serde::{Deserialize, Serialize};
 
+pub use self::requested::{Demand, Requested};
+pub use self::row::{Exceedances, Row, estimate};
+pub(crate) use self::row::{is_beside, monomial, thresholds_beside};
 use crate::kinks::stops_before;
 
-/// Requested results of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Requested<const D: usize = 2> {
-    /// Times of observation.
-    pub times: Vec<f64>,
-    /// Raw moments `E[x_1^a_1 .. x_D^a_D]`.
-    pub powers: Vec<[u32; D]>,
-    /// Demand compared with the thresholds.
-    pub demand: Demand,
-    /// Thresholds `T` of `P(|y| > T)` for the demand `y`.
-    pub thresholds: Vec<f64>,
-    /// Times at which the noise has a kink, in increasing order: a step ends at each, since one across it loses its order.
-    pub kinks: Vec<f64>,
-    /// Whether to integrate over the particles' cells, which requires a flow map.
-    pub cells: bool,
-}
-
-/// A weighted sum of the states, compared in magnitude.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Demand {
-    /// Its name.
-    pub name: String,
-    /// Weight of each state.
-    pub weights: Vec<f64>,
-}
-
-impl Demand {
-    /// The demand on one state.
-    #[must_use]
-    pub fn of_state(state: usize, name: &str, n_states: usize) -> Self {
-        let weights = (0..n_states).map(|k| f64::from(u8::from(k == state))).collect();
-        Self { name: name.to_owned(), weights }
-    }
-
-    /// `|q|` of an oscillator `(q, v)`.
-    #[must_use]
-    pub fn displacement() -> Self {
-        Self::of_state(0, "q", 2)
-    }
-
-    /// Evaluates `|y(x)|`.
-    #[must_use]
-    pub fn magnitude<const D: usize>(&self, x: &[f64; D]) -> f64 {
-        self.weights.iter().zip(x).map(|(weight, x)| weight * x).sum::<f64>().abs()
-    }
-}
-
-/// Three estimates of an exceedance probability.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Exceedances {
-    /// Sum of the masses beyond the threshold (eq 25).
-    pub indicator: f64,
-    /// From the log-interpolated distribution.
-    pub log_interpolated: f64,
-    /// Integral over deformed cells; `None` if not requested.
-    pub cell_integrated: Option<f64>,
-    /// What that integral rests on, in words, where it is less than particles.
-    pub note: Option<String>,
-    /// The same integral at the neighbouring thresholds [`BESIDE`]: the difference of two runs may change its sign at this one.
-    pub beside: Option<[f64; 2]>,
-    /// Its error by the moment equations.
-    pub offset: f64,
-}
-
-/// Ratios of the neighbouring thresholds to a threshold (no unit).
-pub const BESIDE: [f64; 2] = [0.85, 1.15];
-
-/// Results at one time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Row {
-    /// The time.
-    pub t: f64,
-    /// Raw moments, in the requested order.
-    pub moments: Vec<f64>,
-    /// Moments of the absolute values, in the same order: scales of the errors.
-    pub scales: Vec<f64>,
-    /// Errors of the moments by the moment equations, in the same order.
-    pub offsets: Vec<f64>,
-    /// Relative error of standard deviations by the moment equations.
-    pub violation: f64,
-    /// Probabilities, in the order of the thresholds.
-    pub exceedances: Vec<Exceedances>,
-    /// `sum mu_i`.
-    pub total_mass: f64,
-    /// Probability that no particle carries, at most.
-    pub mass_outside: f64,
-    /// Whether the cloud was remeshed.
-    pub is_remeshed: bool,
-    /// Entropy (nats).
-    pub entropy: f64,
-    /// Integral of the density over the cells, if requested.
-    pub cell_mass: Option<f64>,
-    /// CPU time of the solver so far (s), without observation.
-    pub cpu_seconds: f64,
-}
+mod requested;
+mod row;
 
 /// Results of a run.
 #[derive(Debug)]
@@ -335,7 +244,7 @@ pub fn run_from<S: Sde<D, M>, O: DensitySimulation<S, D, M>, const D: usize, con
         let is_halted = outcome.is_ok() && simulation.density().time() < t;
         let row = outcome.and_then(|()| {
             let correction = simulation.moment_correction();
-            let observed = || observe(simulation.density(), asked, correction, cpu_seconds);
+            let observed = || row::observe(simulation.density(), asked, correction, cpu_seconds);
             (!is_halted).then(observed).transpose()
         });
         match row {
@@ -383,88 +292,6 @@ where
         }
     }
     simulation.advance_while(end, goes_on)
-}
-
-fn observe<S: Sde<D, M>, const D: usize, const M: usize>(
-    simulation: &Simulation<S, D, M>,
-    asked: &Requested<D>,
-    correction: Option<Correction<D>>,
-    cpu_seconds: f64,
-) -> Result<Row, Error> {
-    let cells = asked.cells.then(|| simulation.cell_integral()).transpose()?;
-    let corrected = |x: &[f64; D]| correction.map_or(*x, |correction| correction.of(x));
-    let exceedances = exceedances(simulation, cells.as_ref(), asked, &corrected)?;
-    let moments: Vec<f64> = asked.powers.iter().map(|&it| simulation.raw_moment(it)).collect();
-    let offset = |(moment, &powers): (&f64, &[u32; D])| {
-        moment - simulation.expectation(|x| monomial(powers, &corrected(x)))
-    };
-    Ok(Row {
-        t: simulation.time(),
-        offsets: moments.iter().zip(&asked.powers).map(offset).collect(),
-        scales: asked.powers.iter().map(|&it| simulation.absolute_moment(it)).collect(),
-        violation: correction.map_or(0.0, |correction| correction.relative_change()),
-        moments,
-        exceedances,
-        total_mass: simulation.total_mass(),
-        mass_outside: simulation.mass_outside(),
-        is_remeshed: simulation.n_remaps() > 0,
-        entropy: simulation.entropy()?,
-        cell_mass: cells.as_ref().map(CellIntegral::total_mass),
-        cpu_seconds,
-    })
-}
-
-fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
-    simulation: &Simulation<S, D, M>,
-    cells: Option<&CellIntegral<D>>,
-    asked: &Requested<D>,
-    corrected: &dyn Fn(&[f64; D]) -> [f64; D],
-) -> Result<Vec<Exceedances>, Error> {
-    let magnitude = |x: &[f64; D]| asked.demand.magnitude(x);
-    let beside = asked.thresholds.iter().flat_map(|threshold| BESIDE.map(|part| part * threshold));
-    let all: Vec<f64> = asked.thresholds.iter().copied().chain(beside).collect();
-    let over_cells = cells.map(|cells| cells.exceedances(magnitude, &all));
-    let over_cells = over_cells.transpose()?.unwrap_or_default();
-    let (over_cells, beside) =
-        over_cells.split_at_checked(asked.thresholds.len()).unwrap_or_default();
-    let at = |(k, &threshold): (usize, &f64)| {
-        let over_cells = over_cells.get(k);
-        let beside = beside.as_chunks::<2>().0.get(k);
-        let log_interpolated = simulation.exceedance_log_interpolated(magnitude, threshold)?;
-        let moved = |x: &[f64; D]| magnitude(&corrected(x));
-        Ok(Exceedances {
-            indicator: simulation.exceedance_indicator(magnitude, threshold)?,
-            log_interpolated,
-            offset: log_interpolated - simulation.exceedance_log_interpolated(moved, threshold)?,
-            cell_integrated: over_cells.map(|over| estimate(over.probability())),
-            note: over_cells.and_then(|over| note(over.probability())),
-            beside: beside.map(|two| two.map(|over| estimate(over.probability()))),
-        })
-    };
-    asked.thresholds.iter().enumerate().map(at).collect()
-}
-
-/// `x_1^a_1 .. x_D^a_D`.
-pub(crate) fn monomial<const D: usize>(powers: [u32; D], x: &[f64; D]) -> f64 {
-    let power = |base: f64, exponent: u32| (0..exponent).fold(1.0, |product, _| product * base);
-    x.iter().zip(powers).map(|(&x, a)| power(x, a)).product()
-}
-
-/// What a probability rests on, where it is less than particles.
-fn note(probability: Probability) -> Option<String> {
-    probability.resolved().is_none().then(|| probability.basis())
-}
-
-/// The estimate whatever it rests on, for a record that has the note next to it and for comparison with a reference.
-#[must_use]
-pub const fn estimate(probability: Probability) -> f64 {
-    match probability {
-        Probability::Resolved(estimate)
-        | Probability::Truncated { estimate, .. }
-        | Probability::Extrapolated { estimate, .. }
-        | Probability::Unresolved { estimate, .. }
-        | Probability::Below { estimate, .. } => estimate,
-    }
 }
 
 /// A system behind a reference.

@@ -271,6 +271,7 @@ mod tests {
             offsets: vec![0.0],
             violation: 0.0,
             exceedances: Vec::new(),
+            beside: Vec::new(),
             total_mass: 1.0,
             mass_outside: 0.0,
             is_remeshed: false,

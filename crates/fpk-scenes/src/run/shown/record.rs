@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 
 use super::super::resolutions::Resolutions;
 use super::observed::{Observed, by_scale};
-use crate::density::{Exceedances, Row};
+use crate::density::{Exceedances, Row, is_beside, thresholds_beside};
 use crate::scene::FpkScene;
 use crate::system::System;
 
@@ -249,14 +249,10 @@ pub(in crate::run) fn series(
     };
     let mut all: Vec<Series> = scene.moments.iter().enumerate().zip(&by_runs).map(moment).collect();
     let demand = magnitude_name(scene, system);
+    let over_cells = cells_at_thresholds(both, scene);
     for (by, pick) in ESTIMATORS {
         for (k, &threshold) in scene.thresholds.iter().enumerate() {
             let mut values = both.values(|row| pick(&row.exceedances[k]));
-            let beside = [0, 1].map(|side| {
-                both.values(|row| {
-                    row.exceedances[k].beside.map(|probabilities| probabilities[side])
-                })
-            });
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
                 let by_runs = observed.error.unwrap_or_default();
@@ -264,7 +260,9 @@ pub(in crate::run) fn series(
                 observed.add_error(Some(row.exceedances[k].offset));
                 if by == Probability::Cell {
                     observed.raise_error(OF_CUT_CELLS * observed.value);
-                    let beside = beside.iter().filter_map(|values| at(values, observed.t));
+                    let beside =
+                        over_cells.iter().filter(|(other, _)| is_beside(*other, threshold));
+                    let beside = beside.filter_map(|(_, values)| at(values, observed.t));
                     let least = beside.filter_map(|it| SharedError::of_beside(it, observed.value));
                     observed.raise_error(least.fold(0.0, f64::max));
                     // What the cells leave out, near their rim and in folded ones.
@@ -272,10 +270,12 @@ pub(in crate::run) fn series(
                     observed.note.clone_from(&row.exceedances[k].note);
                     // `Probability::Below`: a small difference of runs says nothing of what no particle carries.
                     // A remeshed cloud ends where it has no mass to speak of, whatever the first lattice left outside.
-                    // So does one whose particles violate the moment equations, and then no small probability is known.
+                    // So does one whose particles violate the moment equations, and then no small probability is known, nor one that
+                    // rests on less than particles.
                     let is_violated = row.violation > VIOLATION_OF_BOUND;
                     let is_below = observed.value <= row.mass_outside;
-                    if (observed.value == 0.0 && row.is_remeshed) || (is_below && is_violated) {
+                    let is_unsure = is_below || observed.note.is_some();
+                    if (observed.value == 0.0 && row.is_remeshed) || (is_unsure && is_violated) {
                         observed.lose_error(NO_CELL_BEYOND);
                     } else if is_below {
                         // A larger difference says that the particles are not where they should be.
@@ -294,6 +294,15 @@ pub(in crate::run) fn series(
     }
     all.retain(|series| !series.values.is_empty());
     all
+}
+
+/// Thresholds of the scene and those beside them, with their probabilities over the cells.
+fn cells_at_thresholds(both: &Resolutions, scene: &FpkScene) -> Vec<(f64, Vec<Observed>)> {
+    let asked = scene.thresholds.iter().enumerate();
+    let asked = asked.map(|(k, &it)| (it, both.values(|row| row.exceedances[k].cell_integrated)));
+    let beside = thresholds_beside(&scene.thresholds).into_iter().enumerate();
+    let beside = beside.map(|(k, it)| (it, both.values(|row| row.beside.get(k).copied())));
+    asked.chain(beside).collect()
 }
 
 /// Moments and exceedances of a scene by a method with one estimator.

@@ -30,6 +30,7 @@ struct Prepared<const D: usize> {
     material: MaterialScene,
     numbers: Numbers,
     velocity: [f64; D],
+    is_rigid: bool,
 }
 
 impl<const D: usize> SceneExperiment<D> {
@@ -53,6 +54,7 @@ impl<const D: usize> SceneExperiment<D> {
                 material: material.clone(),
                 numbers: numbers.clone(),
                 velocity: body.velocity.as_slice().try_into().unwrap_or([0.0; D]),
+                is_rigid: body.rigid,
             })
         };
         let bodies = scene.bodies.iter().enumerate().map(prepare).collect::<Result<_, _>>()?;
@@ -188,11 +190,12 @@ impl<const D: usize> SceneExperiment<D> {
                     .material
                     .model(&|part: MaterialPart, name: &'static str| of(particle, part, name))
             };
-            if factors.is_empty() {
+            let body = if factors.is_empty() {
                 Body::new(model(0)?, fill, prepared.velocity)
             } else {
                 Body::varying(|particle, _| Ok(model(particle)?), fill, prepared.velocity)
-            }
+            };
+            body.map(|body| if prepared.is_rigid { body.rigid() } else { body })
         };
         let bodies = self.bodies.iter().zip(&self.fills).enumerate().map(body);
         Simulation::new(self.config.clone(), bodies.collect::<Result<_, _>>()?)

@@ -228,6 +228,7 @@ impl SmpmScene {
             }),
             viscosity,
             courant_number: scheme.courant_number.unwrap_or(usual.courant_number),
+            damping: scheme.damping.unwrap_or(usual.damping),
             geometry: if self.axisymmetric { Geometry::Axisymmetric } else { Geometry::Cartesian },
             boundaries: self.boundaries.iter().map(BoundaryScene::boundary).collect(),
             contact: match self.contact {

@@ -71,6 +71,7 @@ fn run_in<const D: usize>(
     notes.extend(scene.implausible().map_err(object)?);
     notes.extend(scene.unused_fields());
     notes.extend(scene.bonded_gaps::<D>().map_err(object)?);
+    notes.extend(scene.rigid_edges());
     notes.extend(scene.sparse_particles());
     notes.extend(scene.levels_of_one_run());
     let print = |notes: &[String]| {
@@ -170,6 +171,7 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
             let objection = Objection::new("times", error.to_string());
             file.object_to(&objection.with_help(OTHER_TIMES)).into()
         }
+        smpm::Error::RigidAlone => at("bodies".to_owned()),
         smpm::Error::NotOnGrid { .. }
         | smpm::Error::BoundariesTooClose { .. }
         | smpm::Error::BoundariesContradict { .. }

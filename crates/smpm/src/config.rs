@@ -60,6 +60,9 @@ pub struct BulkViscosity {
     pub linear: f64,
 }
 
+/// Most local damping: with more the force that stops a node lasts, and rest is reached later, not sooner (no unit).
+const MOST_DAMPING: f64 = 0.95;
+
 /// What a simulation needs to know besides its bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config<const D: usize> {
@@ -77,6 +80,10 @@ pub struct Config<const D: usize> {
     pub viscosity: BulkViscosity,
     /// `C` of `dt = C h / (abs v + sqrt(Q^2 + c^2) + Q)`, with the wave speed `c` and `Q` that of the bulk viscosity.
     pub courant_number: f64,
+    /// Local damping `a`, from 0 to below 1 (no unit), for loads under which a body comes to rest: at each node the force `f` along
+    /// an axis becomes `f - a abs(f) sign(v)` (Cundall 1987). Nothing is damped where forces balance, so that the state at rest is
+    /// that without damping; free fall and impact are not.
+    pub damping: f64,
     /// Acceleration of all particles (length per time squared).
     pub gravity: [f64; D],
     /// The multiple of `gravity` that acts, as points of time (time) and multiple in ascending order, linear between them and constant
@@ -107,6 +114,7 @@ impl<const D: usize> Config<D> {
             geometry: Geometry::Cartesian,
             viscosity: BulkViscosity { quadratic: 1.5, linear: 0.06 },
             courant_number: 0.4,
+            damping: 0.0,
             gravity: [0.0; D],
             gravity_history: vec![],
             contact: Contact::Bonded,
@@ -174,6 +182,7 @@ impl<const D: usize> Config<D> {
         }
         positive("courant_number", self.courant_number)?;
         within("courant_number", self.courant_number, 0.0, 1.0)?;
+        within("damping", self.damping, 0.0, MOST_DAMPING)?;
         within("most_energy_growth", self.most_energy_growth, 1.0, f64::MAX)?;
         if self.geometry == Geometry::Axisymmetric && D != 2 {
             return Err(Error::AxisymmetricNeedsTwoDimensions { value: D });

@@ -105,6 +105,11 @@ pub enum Error {
     /// A simulation without bodies.
     #[error("there is no body; at least one is needed")]
     NoBody,
+    /// A rigid body that meets no other body, or a second one.
+    #[error(
+        "a rigid body moves the others by contact: take contact with friction, a body beside it, and one rigid body at most"
+    )]
+    RigidAlone,
     /// A number of dimensions that there is not.
     #[error("{value} dimensions; there must be 1 to 3")]
     NoSuchDimension {

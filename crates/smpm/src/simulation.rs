@@ -82,6 +82,17 @@ impl<const D: usize> Ledger<D> {
     const fn none() -> Self {
         Self { mass: 0.0, momentum: [0.0; D], kinetic: 0.0, internal: 0.0, failed: 0.0 }
     }
+
+    /// Of several bodies.
+    fn sum(of: impl IntoIterator<Item = Self>) -> Self {
+        of.into_iter().fold(Self::none(), |sum, one| Self {
+            mass: sum.mass + one.mass,
+            momentum: std::array::from_fn(|k| sum.momentum[k] + one.momentum[k]),
+            kinetic: sum.kinetic + one.kinetic,
+            internal: sum.internal + one.internal,
+            failed: sum.failed + one.failed,
+        })
+    }
 }
 
 /// The longest step and who asks for it.
@@ -97,7 +108,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     ///
     /// # Errors
     /// A parameter outside its range, by name; [`Error::NoBody`]; [`Error::NotOnGrid`], [`Error::BoundariesContradict`],
-    /// [`Error::AxisIsNoBoundary`], [`Error::BoundariesTooClose`];
+    /// [`Error::AxisIsNoBoundary`], [`Error::BoundariesTooClose`]; [`Error::RigidAlone`];
     /// [`Error::BeyondBoundary`] for a particle that starts there.
     pub fn new(config: Config<D>, bodies: Vec<Body<S, D>>) -> Result<Self, Error> {
         config.check()?;
@@ -126,8 +137,9 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         }
         let masses = bodies.iter().flat_map(|body| body.masses().iter().map(|m| m.value()));
         let smallest_mass = SMALLEST_MASS * masses.fold(f64::INFINITY, f64::min);
-        let external = External::none(planes.len());
-        let grid = Grid::new(&config, planes, bodies.len());
+        let n_planes = planes.len();
+        let grid = Grid::new(&config, planes, &bodies)?;
+        let rigid = grid.rigid().map(|(body, _)| body);
         let limit = Limit::of(&config, &bodies);
         let mut simulation = Self {
             config,
@@ -139,14 +151,17 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
             n_steps: 0,
             smallest_mass,
             supplied: 0.0,
-            external,
+            external: External::none(n_planes, [0.0; D]),
             mass: 0.0,
             failed: None,
         };
-        let Ledger { mass, momentum, kinetic, internal, .. } = simulation.ledger();
-        simulation.supplied = kinetic + internal;
-        simulation.mass = mass;
-        simulation.external.add_gravity(mass, [0.0; D], &momentum);
+        let ledgers = simulation.ledgers();
+        simulation.supplied = ledgers.iter().map(|it| it.kinetic + it.internal).sum();
+        let others = Ledger::sum(
+            ledgers.into_iter().enumerate().filter(|it| rigid != Some(it.0)).map(|it| it.1),
+        );
+        simulation.mass = others.mass;
+        simulation.external = External::none(n_planes, others.momentum);
         Ok(simulation)
     }
 
@@ -327,13 +342,15 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         particle_to_grid(&mut self.grid, &self.bodies, under, given);
         let with_mass = given != Given::Momentum;
         let affine = self.config.transfer == Transfer::Apic;
-        let solve = Solve { dt, affine, smallest_mass: self.smallest_mass, with_mass };
+        let (smallest_mass, damping) = (self.smallest_mass, self.config.damping);
+        let solve = Solve { dt, affine, smallest_mass, damping, with_mass };
         self.grid.solve(solve, &mut self.external.reactions);
     }
 
     /// A pass over all particles: grid-to-particle, the material update, the motion.
     fn map_to_particles(&mut self, dt: f64, pass: Pass) -> Result<Summary<D>, Error> {
         let Self { config, bodies, grid, .. } = self;
+        let rigid = grid.rigid().map(|(body, _)| body);
         let (step, time) = (self.n_steps + 1, self.time + dt);
         let pass = ParticlePass::of(grid, config, pass, (dt, time));
         let (mut all, mut fastest) = (Summary::none(), 0.0);
@@ -347,8 +364,10 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
                 fastest = summary.fastest.0;
                 self.limit = Limit::at(config, summary.fastest, number);
             }
-            for k in 0..D {
-                all.momentum[k] += summary.momentum[k];
+            if rigid != Some(number) {
+                for k in 0..D {
+                    all.momentum[k] += summary.momentum[k];
+                }
             }
             all.kinetic += summary.kinetic;
             all.internal += summary.internal;
@@ -386,13 +405,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
 
     /// Mass, momentum and energy of all bodies.
     pub fn ledger(&self) -> Ledger<D> {
-        self.ledgers().into_iter().fold(Ledger::none(), |sum, one| Ledger {
-            mass: sum.mass + one.mass,
-            momentum: std::array::from_fn(|k| sum.momentum[k] + one.momentum[k]),
-            kinetic: sum.kinetic + one.kinetic,
-            internal: sum.internal + one.internal,
-            failed: sum.failed + one.failed,
-        })
+        Ledger::sum(self.ledgers())
     }
 
     fn check_energy(&mut self, dt: f64, summary: &Summary<D>) -> Result<(), Error> {
@@ -402,6 +415,11 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         self.supplied += (power * dt).max(0.0);
         let impulse = gravity.map(|along| self.mass * along * dt);
         self.external.add_gravity(self.mass, impulse, momentum);
+        if let Some((_, velocity)) = self.grid.rigid() {
+            // Radial momentum is not conserved: hoop stress has a radial force.
+            let is_conserved = |k: usize| k > 0 || self.config.geometry == Geometry::Cartesian;
+            self.supplied += self.external.add_rigid(&velocity, is_conserved).max(0.0);
+        }
         let (value, factor) = (kinetic + internal, self.config.most_energy_growth);
         let limit = factor * self.supplied.abs();
         if value.is_nan() || (value > limit && self.supplied != 0.0) {

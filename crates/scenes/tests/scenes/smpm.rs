@@ -314,3 +314,62 @@ fn a_run_records_its_balance_and_with_friction_no_energy_error() {
         assert!(page.contains("Balance over time") && page.contains("Energies over time"));
     }
 }
+
+/// The block of `flight.json`, without its sweep.
+fn block() -> String {
+    let text = include_str!("../small/smpm/flight.json");
+    text[..text.find(",\n  \"sweep\"").unwrap()].to_owned() + "}"
+}
+
+#[test]
+fn a_damped_scene_says_whether_it_is_at_rest() {
+    let ran = |times: &str| {
+        SceneRun::of(&changed(
+            &block(),
+            &[
+                ("'velocity': [10.0]", "'velocity': [0.0]"),
+                (
+                    "[-10.0],",
+                    "[-1.0], 'scheme': { 'damping': 0.5 }, 'boundaries': [{ 'axis': 1, 'position': 0, 'side': 'above', 'kind': 'clamped' }],",
+                ),
+                ("'position_1'", "'stress_11'"),
+                ("[0.5, 1.0]", times),
+            ],
+        ))
+    };
+    let rest = ran("[2.0]");
+    let result = rest.result();
+    // The mean of rho g (h - x) over the column. Seen 0.06 % less.
+    let stress = result["gauges"][0]["quantities"][0]["values"][0]["mean"].as_f64().unwrap();
+    assert!((stress / -200.0 - 1.0).abs() < 5e-3, "{stress}");
+    assert!(result["balance"][1].get("energy_error").is_none());
+    let page = |ran: &SceneRun| std::fs::read_to_string(ran.out().join("index.html")).unwrap();
+    let (said, advice) = ("damped: at the last time", "take a later last time");
+    assert!(page(&rest).contains(said) && !page(&rest).contains(advice));
+    assert!(page(&ran("[0.02]")).contains(advice));
+}
+
+#[test]
+fn a_rigid_body_pushes_with_a_force_that_is_recorded() {
+    let rigid = "'velocity': [0.0] }, { 'name': 'piston', 'material': 'block', 'shape': { 'box': { 'from': [0.4], 'to': [0.6] } }, 'velocity': [-0.1], 'rigid': true } ], 'contact': { 'friction': { 'coefficient': 0 } },";
+    let pushed = changed(
+        &block(),
+        &[
+            ("'velocity': [10.0] } ],", rigid),
+            ("'gravity': [-10.0],", ""),
+            ("[0.5, 1.0]", "[0.01, 0.03]"),
+            ("'cell': 0.1", "'cell': 0.02"),
+        ],
+    );
+    let result = SceneRun::of(&pushed).result();
+    let end = |name: &str| result["balance"][2][name].as_f64().unwrap();
+    // rho c V, with c = sqrt((K + 4 G / 3) / rho).
+    let force = -0.1 * (1000.0_f64 * (1e5 + 4.0 / 3.0 * 5e4)).sqrt();
+    let found = end("rigid_body_mean_force_1");
+    assert!((found / force - 1.0).abs() < 0.05, "{found} {force}");
+    assert!((end("rigid_body_work") / (-0.1 * end("rigid_body_impulse_1")) - 1.0).abs() < 1e-12);
+    let bonded = changed(&pushed, &[("'contact': { 'friction': { 'coefficient': 0 } },", "")]);
+    let ran = SceneRun::of(&bonded);
+    let (path, message) = (&ran.mistake().path, &ran.mistake().message);
+    assert!(path == "bodies" && message.contains("contact with friction"), "{path}: {message}");
+}

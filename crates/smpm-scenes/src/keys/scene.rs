@@ -136,6 +136,11 @@ pub struct SchemeScene {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 0.4), example = 0.2)]
     pub courant_number: Option<f64>,
+    /// Local damping, from 0 to 0.95 (no unit), for bodies that come to rest under a load: the share of the force on each node that acts
+    /// against its velocity. The state at rest does not depend on it; free flight and impact would.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 0.0), example = 0.5)]
+    pub damping: Option<f64>,
 }
 
 /// Coefficients of the bulk viscosity.
@@ -260,6 +265,12 @@ pub struct BodyScene {
     /// Its initial velocity along each axis (length/time of `units`); at rest without this key.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub velocity: Vec<f64>,
+    /// Whether it is rigid and keeps its velocity whatever it meets, as a platen or a hard projectile does; false without this key.
+    ///
+    /// One body of a scene may be, with contact with friction. Neither gravity nor boundaries act on it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[schemars(example = true)]
+    pub rigid: bool,
 }
 
 /// A rotation, in two dimensions with plane strain or in three.

@@ -1,7 +1,7 @@
 //! Balance of the reference run over time: its record, and the table, chart and file that show it.
 
-use result_figures::number::exact;
-use result_pages::{Chart, Series, Table};
+use result_figures::number::{exact, percent, short};
+use result_pages::{Chart, Note, Series, Table};
 use scene_runs::answers::Number;
 use scene_runs::report::{cell, chart};
 use serde::{Serialize, Serializer};
@@ -20,7 +20,7 @@ impl Serialize for BalanceRecord {
     }
 }
 
-/// Whether no work is done but that of gravity: by no absorbing boundary and no friction.
+/// Whether no work is done but that of gravity and of a rigid body: by no absorbing boundary, no friction and no damping.
 fn conserves_energy(scene: &SmpmScene) -> bool {
     let is_idle = |kind: BoundaryKindScene| match kind {
         BoundaryKindScene::Absorbing { .. } => false,
@@ -29,17 +29,24 @@ fn conserves_energy(scene: &SmpmScene) -> bool {
     };
     let slides =
         matches!(scene.contact, ContactScene::Friction { coefficient } if coefficient > 0.0);
-    !slides && scene.boundaries.iter().all(|boundary| is_idle(boundary.kind))
+    !is_damped(scene) && !slides && scene.boundaries.iter().all(|boundary| is_idle(boundary.kind))
+}
+
+/// Whether damping takes momentum and energy that no record has.
+fn is_damped(scene: &SmpmScene) -> bool {
+    scene.scheme.damping.is_some_and(|damping| damping > 0.0)
 }
 
 /// Records of a run in the order of time. Mean forces are since the time before.
 pub(super) fn records<const D: usize>(scene: &SmpmScene, run: &[Balance<D>]) -> Vec<BalanceRecord> {
     let energy = |at: &Balance<D>| at.held.kinetic + at.held.internal;
+    let is_rigid = scene.bodies.iter().any(|body| body.rigid);
+    // What it gives is what the others lack, which damping takes too, and along the radius hoop stress.
+    let is_known = |k: usize| !is_damped(scene) && (k > 0 || !scene.axisymmetric);
     let record = |(i, at): (usize, &Balance<D>)| {
-        let (held, external, mut all) = (&at.held, &at.external, Vec::new());
-        let mut add = |name: String, value: Option<f64>| all.push((name, value));
-        let error = energy(at) - energy(&run[0]) - external.gravity_work;
-        for (name, value) in [
+        let (held, external) = (&at.held, &at.external);
+        let error = energy(at) - energy(&run[0]) - external.gravity_work - external.rigid_work;
+        let mut all: Vec<(String, Option<f64>)> = [
             ("time", Some(at.time)),
             ("mass", Some(held.mass)),
             ("failed_mass", Some(held.failed)),
@@ -48,18 +55,32 @@ pub(super) fn records<const D: usize>(scene: &SmpmScene, run: &[Balance<D>]) -> 
             ("total_energy", Some(energy(at))),
             ("gravity_work", Some(external.gravity_work)),
             ("energy_error", conserves_energy(scene).then_some(error)),
-        ] {
-            add(name.to_owned(), value);
+        ]
+        .map(|(name, value)| (name.to_owned(), value))
+        .into();
+        if is_rigid {
+            let work = (!is_damped(scene)).then_some(external.rigid_work);
+            all.push(("rigid_body_work".to_owned(), work));
         }
         let before = i.checked_sub(1).map(|before| &run[before]);
+        let given = |name: &str, k: usize, by: &dyn Fn(&Balance<D>) -> Option<f64>| {
+            let force = before.and_then(|it| Some((by(at)? - by(it)?) / (at.time - it.time)));
+            [("impulse", by(at)), ("mean_force", force)]
+                .map(|(what, value)| (format!("{name}_{what}_{}", k + 1), value))
+        };
         for k in 0..D {
-            add(format!("momentum_{}", k + 1), Some(held.momentum[k]));
-            add(format!("gravity_impulse_{}", k + 1), Some(external.gravity_impulse[k]));
-            for (b, given) in external.reactions.iter().take(scene.boundaries.len()).enumerate() {
-                let earlier = before.map(|it| (it.external.reactions[b][k], at.time - it.time));
-                let force = earlier.map(|(earlier, span)| (given[k] - earlier) / span);
-                add(format!("boundary_{b}_impulse_{}", k + 1), Some(given[k]));
-                add(format!("boundary_{b}_mean_force_{}", k + 1), force);
+            all.push((format!("momentum_{}", k + 1), Some(held.momentum[k])));
+            let by_gravity = external.gravity_impulse[k];
+            all.push((format!("gravity_impulse_{}", k + 1), Some(by_gravity)));
+            for b in 0..scene.boundaries.len() {
+                all.extend(given(&format!("boundary_{b}"), k, &|it| {
+                    it.external.reactions.get(b).map(|by| by[k])
+                }));
+            }
+            if is_rigid {
+                all.extend(given("rigid_body", k, &|it| {
+                    is_known(k).then_some(it.external.rigid_impulse[k])
+                }));
             }
         }
         BalanceRecord(all)
@@ -94,7 +115,7 @@ fn heads(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<Vec<String>> {
 
 /// The table of the page, and the energies over time.
 pub(super) fn shown(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<(Table, Chart)> {
-    let about = "Of the reference run. Impulses and work are since the start, mean forces since the time before. The energy error is the change of the total energy less the work of gravity.";
+    let about = "Of the reference run. Impulses and work are since the start, mean forces since the time before. The energy error is the change of the total energy less the work of gravity and of a rigid body.";
     let row = |at: &BalanceRecord| at.0.iter().map(|(_, value)| cell(*value)).collect();
     let (title, about) = ("Balance over time".to_owned(), about.to_owned());
     let rows = records.iter().map(row).collect();
@@ -112,6 +133,30 @@ pub(super) fn shown(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<(Tab
     let lines = names.into_iter().take(n_lines).map(line).collect();
     Some((table, chart("Energies over time".to_owned(), labels, lines)))
 }
+
+/// Whether a damped run is at rest at its last time, by the part `K / W` of kinetic energy in the work of gravity or else the change of
+/// internal energy: what oscillates about `u` by `a` has `K / W` up to `(a / u)^2 / 2`.
+pub(super) fn rest(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<Note> {
+    let (first, last) = (records.first()?, records.last().filter(|_| is_damped(scene))?);
+    let get = |at: &BalanceRecord, name: &str| at.0.iter().find(|(of, _)| of == name)?.1;
+    let change = get(last, "internal_energy")? - get(first, "internal_energy")?;
+    let work = get(last, "gravity_work").filter(|&work| work != 0.0).unwrap_or(change).abs();
+    let share = get(last, "kinetic_energy")? / work;
+    let swing = (2.0 * share).sqrt();
+    let text = format!(
+        "damped: at the last time the kinetic energy is {} of the work done, so that displacements are within about {} of those at rest",
+        short(Some(share)),
+        percent(swing)
+    );
+    Some(if swing < AT_REST {
+        Note::Remark(text)
+    } else {
+        Note::Warning(format!("{text}; take a later last time, or more `damping`"))
+    })
+}
+
+/// Part of a displacement by which a damped body may still oscillate at rest (no unit).
+const AT_REST: f64 = 0.01;
 
 /// The records as comma-separated values, all digits; an empty cell for what is not known.
 pub(super) fn csv(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<String> {

@@ -29,6 +29,7 @@ pub(super) fn report(scene: &SmpmScene, content: &Content) -> Report {
     charts(content, time, &mut report);
     index_charts(content, time, &mut report);
     tables(content, time, &mut report);
+    report.notes.extend(balance::rest(scene, &content.balance));
     if let Some((table, chart)) = balance::shown(scene, &content.balance) {
         report.tables.push(table);
         report.charts.push(chart);

@@ -41,6 +41,8 @@ pub(crate) struct Grid<S, const D: usize> {
     n_fields: usize,
     /// Coulomb's coefficient where bodies have their own fields.
     friction: Option<f64>,
+    /// The field and the velocity of a rigid body.
+    rigid: Option<(usize, [f64; D])>,
     /// Like the blocks, the surfaces of the bodies; empty where they share a field.
     surfaces: Vec<Surface<S, D>>,
     /// By tile the impulse of each plane in a step.
@@ -56,17 +58,31 @@ pub(crate) struct Solve {
     pub(crate) affine: bool,
     /// Nodes lighter than this do not move: their acceleration would be a quotient of roundoff.
     pub(crate) smallest_mass: f64,
+    /// Local damping (no unit).
+    pub(crate) damping: f64,
     /// Whether masses were summed too; else they are those of the last time.
     pub(crate) with_mass: bool,
 }
 
 impl<S: CarriedNumber, const D: usize> Grid<S, D> {
-    pub(crate) fn new(config: &Config<D>, planes: Vec<Plane>, n_bodies: usize) -> Self {
+    pub(crate) fn new(
+        config: &Config<D>,
+        planes: Vec<Plane>,
+        bodies: &[Body<S, D>],
+    ) -> Result<Self, Error> {
         let (n_fields, friction) = match config.contact {
-            Contact::Friction { coefficient } if n_bodies > 1 => (n_bodies, Some(coefficient)),
+            Contact::Friction { coefficient } if bodies.len() > 1 => {
+                (bodies.len(), Some(coefficient))
+            }
             _ => (1, None),
         };
-        Self {
+        let velocities = bodies.iter().map(Body::velocity_if_rigid).enumerate();
+        let mut rigid = velocities.filter_map(|(field, velocity)| Some((field, velocity?)));
+        let (rigid, another) = (rigid.next(), rigid.next());
+        if rigid.is_some() && (friction.is_none() || another.is_some()) {
+            return Err(Error::RigidAlone);
+        }
+        Ok(Self {
             lattice: Lattice::of(config),
             planes,
             tiles: Tiles::none(),
@@ -76,9 +92,15 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
             masses: vec![],
             n_fields,
             friction,
+            rigid,
             surfaces: vec![],
             impulses: vec![],
-        }
+        })
+    }
+
+    /// The body that is rigid, and its velocity.
+    pub(crate) fn rigid(&self) -> Option<(usize, [f64; D])> {
+        self.rigid
     }
 
     /// Whether bodies have fields of their own.
@@ -180,11 +202,13 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
 
     /// Finds by tile what the planes have given, while the blocks hold what particles have.
     fn find_impulses(&mut self, step: (f64, bool)) {
-        let Self { planes, tiles, n_fields, blocks, block_masses, nodes, .. } = self;
+        let Self { planes, tiles, n_fields, blocks, block_masses, nodes, rigid, .. } = self;
+        let rigid = rigid.map(|(field, _)| field);
         let Tiles { directory, all: tiles, .. } = tiles;
         let (surfaces, nodes) = (&self.surfaces[..], &nodes[..]);
         let (n_fields, masses) = (*n_fields, &block_masses[..]);
-        let sums = BlockSums { directory, tiles, planes, n_fields, blocks, masses, surfaces };
+        let sums =
+            BlockSums { directory, tiles, planes, n_fields, blocks, masses, surfaces, rigid };
         for_each_chunk(&mut self.impulses, sums.planes.len(), &|slot, impulses| {
             let tile = &sums.tiles[slot];
             if !tile.plain {
@@ -205,7 +229,9 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
             blocks: &self.blocks,
             masses: &self.block_masses,
             surfaces: &self.surfaces,
+            rigid: self.rigid.map(|(field, _)| field),
         };
+        let rigid = self.rigid;
         let (friction, cell) = (self.friction, self.lattice.cell);
         let both = (&mut self.nodes[..], &mut self.masses[..]);
         for_each_pair_of_chunks(both, n_fields * tile_len(D), &|slot, owned, masses| {
@@ -216,14 +242,22 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
                         plane.range_beyond(&corner_of(&tiles[slot].at), tile_edge(D)).1 >= 0
                     };
                     let is_constrained = !tiles[slot].plain && sums.planes.iter().any(acts);
+                    let is_damped = solve.damping > 0.0 && solve.dt > 0.0;
                     let until = match friction {
-                        None if !is_constrained => Until::EndOfStep,
+                        None if !is_constrained && !is_damped => Until::EndOfStep,
                         _ => Until::Start,
                     };
                     for field in 0..n_fields {
                         let range = field * tile_len(D)..(field + 1) * tile_len(D);
                         let (owned, masses) = (&mut owned[range.clone()], &mut masses[range]);
                         sums.solve(&tiles[slot], (owned, masses), field, (solve, until));
+                        if is_damped {
+                            damp(owned, solve.damping);
+                        }
+                    }
+                    let of_rigid = |field: usize| field * tile_len(D)..(field + 1) * tile_len(D);
+                    if let Some((field, velocity)) = rigid {
+                        hold(&mut owned[of_rigid(field)], &masses[of_rigid(field)], velocity);
                     }
                     if let Some(coefficient) = friction {
                         sums.let_meet(
@@ -235,8 +269,11 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
                     }
                     if is_constrained {
                         constrain(&tiles[slot], owned, sums.planes, (solve.dt, cell));
-                    } else if friction.is_some() {
+                    } else if until == Until::Start {
                         add_changes(owned);
+                    }
+                    if let Some((field, velocity)) = rigid {
+                        hold(&mut owned[of_rigid(field)], &masses[of_rigid(field)], velocity);
                     }
                 },
             );
@@ -311,6 +348,31 @@ fn find_velocities<S: CarriedNumber, const D: usize>(
             node.velocity_mut()[k] = if at_end { velocity + change } else { velocity };
             node.velocity_change_mut()[k] = change;
         }
+    }
+}
+
+/// Local damping: a share of the change by forces, against the velocity, along each axis.
+fn damp<S: CarriedNumber, const D: usize>(nodes: &mut [Node<S, D>], damping: f64) {
+    for node in nodes {
+        for k in 0..D {
+            let (velocity, change) = (node.velocity()[k].value(), node.velocity_change()[k]);
+            // Where force and velocity have one sign the force is less, else it is more.
+            let along = velocity * change.value();
+            let sign = if along == 0.0 { 0.0 } else { along.signum() };
+            node.velocity_change_mut()[k] = change * (1.0 - damping * sign);
+        }
+    }
+}
+
+/// Nodes of a rigid body have its velocity, and no force changes it.
+fn hold<S: CarriedNumber, const D: usize>(
+    nodes: &mut [Node<S, D>],
+    masses: &[S],
+    velocity: [f64; D],
+) {
+    for (node, _) in nodes.iter_mut().zip(masses).filter(|(_, mass)| mass.value() > 0.0) {
+        *node.velocity_mut() = velocity.map(S::constant);
+        *node.velocity_change_mut() = [S::constant(0.0); D];
     }
 }
 

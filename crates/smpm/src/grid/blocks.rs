@@ -63,6 +63,8 @@ pub(crate) struct BlockSums<'a, S, const D: usize> {
     pub(crate) blocks: &'a [Node<S, D>],
     pub(crate) masses: &'a [S],
     pub(crate) surfaces: &'a [Surface<S, D>],
+    /// The field of a rigid body.
+    pub(crate) rigid: Option<usize>,
 }
 
 impl<S: CarriedNumber, const D: usize> BlockSums<'_, S, D> {
@@ -188,7 +190,11 @@ impl<S: CarriedNumber, const D: usize> BlockSums<'_, S, D> {
                 for first in (0..second).filter(|&field| bears(field)) {
                     let of_a = surface(first);
                     let (a, b) = (first * tile_len(D) + index, second * tile_len(D) + index);
-                    let (mass_a, mass_b) = (masses[a], masses[b]);
+                    // A mass beside which that of others is roundoff.
+                    let weigh = |field: usize, mass: S| {
+                        if self.rigid == Some(field) { mass * 1e18 } else { mass }
+                    };
+                    let (mass_a, mass_b) = (weigh(first, masses[a]), weigh(second, masses[b]));
                     meet((&mut low[a], mass_a, &of_a), (&mut high[index], mass_b, &of_b), friction);
                 }
             }

@@ -40,7 +40,7 @@ impl<S: CarriedNumber, const D: usize> BlockSums<'_, S, D> {
                 let normal = self.planes.iter().position(|plane| plane.axis == k && acts(plane));
                 normal.or_else(|| self.planes.iter().position(|it| it.acts_along() && acts(it)))
             });
-            for field in 0..self.n_fields {
+            for field in (0..self.n_fields).filter(|&field| self.rigid != Some(field)) {
                 let (given, mass) = self.sum_at(at, field);
                 let mass = mass.value();
                 if mass <= 0.0 {

@@ -12,7 +12,7 @@ use crate::points::particles::{Chunk, ParticleNumbers, Particles};
 use crate::points::points_in_lanes::PointsInLanes;
 use constitutive_models::tensor::Symmetric;
 use constitutive_models::{
-    LocalResponse, LocalState, Material, MaterialFamily, Model, Observed, finite, positive,
+    LocalResponse, LocalState, Material, MaterialFamily, Model, Observed, Scalar, finite, positive,
 };
 
 /// A body: particles of one material, in `D` dimensions, with numbers `S`.
@@ -24,6 +24,8 @@ pub struct Body<S, const D: usize> {
     pub(crate) particles: Particles<S, D>,
     pub(crate) points: Box<dyn MaterialPoints<S>>,
     pub(crate) binning: Binning<D>,
+    /// Whether it keeps its velocity.
+    is_rigid: bool,
     /// The edges of the box of each particle at the start (length).
     spacing: [f64; D],
     /// Where each particle is in memory; empty while all are at their numbers.
@@ -145,10 +147,26 @@ impl<S: CarriedNumber, const D: usize> Body<S, D> {
             particles: Particles::of(fill, velocity, density),
             points: points(&places),
             binning: Binning::of(places.len()),
+            is_rigid: false,
             spacing: fill.spacing,
             places: vec![],
             views: Views::none(),
         })
+    }
+
+    /// The same as a rigid body: it keeps its velocity whatever it meets, as if its mass were infinite, and neither gravity nor planes
+    /// act on it. It has no stress; the wave speed of its material still limits the step.
+    ///
+    /// A simulation has at most one, beside other bodies, and needs [`Contact::Friction`](crate::Contact::Friction).
+    #[must_use]
+    pub fn rigid(mut self) -> Self {
+        self.is_rigid = true;
+        self
+    }
+
+    /// Its velocity if it is rigid.
+    pub(crate) fn velocity_if_rigid(&self) -> Option<[f64; D]> {
+        self.is_rigid.then(|| self.particles.velocity[0].map(Scalar::value))
     }
 
     /// All particles and their materials, to be written by a pass.
@@ -217,7 +235,7 @@ impl<S: CarriedNumber, const D: usize> Body<S, D> {
     ) -> Result<(), Error> {
         let Particles { position, velocity: kept, .. } = &mut self.particles;
         for (place, kept) in position.iter().zip(kept) {
-            let value = velocity(&place.map(perturbation_moments::Scalar::value));
+            let value = velocity(&place.map(Scalar::value));
             value.iter().try_for_each(|&component| finite("velocity", component))?;
             *kept = value.map(S::constant);
         }

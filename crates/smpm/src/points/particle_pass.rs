@@ -115,10 +115,12 @@ impl<'a, S: CarriedNumber, const D: usize> ParticlePass<'a, S, D> {
         conditions: &Columns<'_, S>,
         summary: &mut Summary<D>,
     ) {
+        let is_pushed = self.grid.rigid().is_some();
+        let has_momentum = self.config.gravity.map(|along| along != 0.0 || is_pushed);
         let is_everywhere = dispatch_narrow(
             #[inline(always)]
             || {
-                look(chunk, conditions, self.config, summary);
+                look(chunk, conditions, (self.config, has_momentum), summary);
                 chunk.advance(self.config)
             },
         );

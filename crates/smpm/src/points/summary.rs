@@ -18,7 +18,7 @@ pub(crate) struct Summary<const D: usize> {
     pub(crate) fault: Option<(u32, Fault)>,
     /// The greatest speed at which a signal crosses the grid, and the lowest number of a particle that has it.
     pub(crate) fastest: (f64, u32),
-    /// For the power of gravity; zero without gravity.
+    /// For the work of gravity and of a rigid body; zero along axes for which neither asks.
     pub(crate) momentum: [f64; D],
     pub(crate) kinetic: f64,
     pub(crate) internal: f64,
@@ -114,7 +114,7 @@ pub(crate) fn signal_speed<S: CarriedNumber, const D: usize>(
 pub(crate) fn look<S: CarriedNumber, const D: usize>(
     chunk: &Chunk<'_, S, D>,
     conditions: &Columns<'_, S>,
-    config: &Config<D>,
+    (config, has_momentum): (&Config<D>, [bool; D]),
     summary: &mut Summary<D>,
 ) {
     let n = chunk.len().min(BATCH);
@@ -141,7 +141,7 @@ pub(crate) fn look<S: CarriedNumber, const D: usize>(
     );
     summary.kinetic += kinetic.total();
     for k in 0..D {
-        if config.gravity[k] != 0.0 {
+        if has_momentum[k] {
             let mut momentum = Sums::none();
             momentum.add(
                 n,

@@ -125,7 +125,8 @@ mod tests {
         let material = LinearElasticSolid::<f64>::linear_elastic(elastic).unwrap();
         let mut body = Body::new(material, &fill, [0.3; D]).unwrap();
         body.particles.prepare(config);
-        let (mut bodies, mut grid) = ([body], Grid::new(config, vec![], 1));
+        let mut bodies = [body];
+        let mut grid = Grid::new(config, vec![], &bodies).unwrap();
         for round in 0..2 {
             let body = &mut bodies[0];
             let shift = if round == 0 { 0.0 } else { 0.05 };

@@ -14,6 +14,8 @@ mod derivatives;
 mod fixtures;
 mod invariants;
 mod plate_impact;
+mod rest;
 mod restart;
+mod rigid;
 mod uncertainty;
 mod varying;

@@ -27,6 +27,7 @@ pub(crate) fn scheme(shape: ShapeScene, transfer: TransferScene, linear: f64) ->
         transfer: Some(transfer),
         viscosity: Some(ViscosityScene { quadratic: 1.5, linear }),
         courant_number: None,
+        damping: None,
     }
 }
 

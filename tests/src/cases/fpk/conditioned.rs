@@ -52,25 +52,6 @@ pub(super) struct Row {
     exceedance: Vec<[f64; 2]>,
 }
 
-impl Paths {
-    /// `P(|q| > T)` at a time, with its standard error.
-    pub(super) fn exceedance(&self, threshold: f64, t: f64) -> Option<Reference> {
-        let row = self.at(t)?;
-        let &[_, p] = row.exceedance.iter().find(|[of, _]| of.to_bits() == threshold.to_bits())?;
-        Some(probability(p, self.paths))
-    }
-
-    /// The second moment of a state at a time, with its standard error.
-    pub(super) fn second_moment(&self, state: usize, t: f64) -> Option<Reference> {
-        let &[value, error] = self.at(t)?.second_moments.get(state)?;
-        Some(Reference::uncertain(value, error))
-    }
-
-    fn at(&self, t: f64) -> Option<&Row> {
-        self.rows.iter().find(|row| (row.t - t).abs() < 1e-9)
-    }
-}
-
 /// A probability with its standard error, where `n` paths give it.
 fn probability(p: f64, n: f64) -> Reference {
     Reference::uncertain(p, (p * (1.0 - p) / n).sqrt())

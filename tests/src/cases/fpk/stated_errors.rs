@@ -5,14 +5,13 @@ use scenes::fpk::scene::FpkScene;
 use scenes::{Options, SceneFile};
 use serde_json::{Value, json};
 
-use super::conditioned::Derived;
 use crate::cases::prelude::*;
 use crate::cases::scene_result::result_of;
 
 pub(crate) const CASE: Case = Case {
     id: "fpk-sph/stated-errors",
     title: "Stated over true error of second moments and of exceedance probabilities in the results of scenes",
-    source: "grid, 4e7 to 6e7 paths and importance sampling; 4e6 paths behind the soil",
+    source: "grid, 4e7 to 6e7 paths and importance sampling",
     cost: Profile::Default,
     run: Together(run),
 };
@@ -22,19 +21,12 @@ const KNOWN: f64 = 4.0;
 
 const DAMPER: &str = include_str!("../../../scenes/fpk/viscous_damper.json");
 const BOUC_WEN: &str = include_str!("../../../scenes/fpk/bouc_wen.json");
-const BEHIND_SOIL: &str = include_str!("../../../scenes/fpk/bouc_wen_kanai_tajimi.json");
 
 fn run(context: &Context<'_>) -> CaseResult {
     let (damper, bouc_wen) = (ReferenceTable::viscous_damper()?, ReferenceTable::bouc_wen()?);
-    let behind_soil = Derived::read()?.bouc_wen;
     let damper = |of: Quantity, t: f64| of_table(&damper, of, t);
     let bouc_wen = |of: Quantity, t: f64| of_table(&bouc_wen, of, t);
-    let behind_soil = |of: Quantity, t: f64| match of {
-        Quantity::SecondMoment(state) => behind_soil.second_moment(state, t),
-        Quantity::Exceedance(threshold) => behind_soil.exceedance(threshold, t),
-    };
     let flow_map = |spacing: f64, reach: f64| json!({ "spacing": spacing, "reach": reach });
-    let conditioned = json!({ "spacing": 0.6, "reach": 5, "filter": "conditioned" });
     let runs = [
         Compared {
             name: "damper",
@@ -51,14 +43,6 @@ fn run(context: &Context<'_>) -> CaseResult {
             until: 3.6,
             every: 0.2,
             known: &bouc_wen,
-        },
-        Compared {
-            name: "Bouc-Wen behind soil, conditioned out",
-            scene: BEHIND_SOIL,
-            fit: conditioned,
-            until: 6.0,
-            every: 1.0,
-            known: &behind_soil,
         },
     ];
     let mut found = Found::default();
@@ -155,8 +139,11 @@ impl Found {
                 Quantity::Exceedance(_) => probabilities.extend(indices),
             }
         }
-        let [of_moments, of_probabilities] = [&moments, &probabilities].map(|indices| {
-            format!("{} of {}", indices.iter().filter(|it| is_small(**it)).count(), indices.len())
+        let [of_moments, of_probabilities] = [&mut moments, &mut probabilities].map(|indices| {
+            indices.sort_unstable_by(f64::total_cmp);
+            let small = indices.iter().filter(|it| is_small(**it)).count();
+            let median = indices.get(indices.len() / 2).copied().unwrap_or(f64::NAN);
+            format!("{small} of {} (median {median:.1})", indices.len())
         });
         self.words.push(format!("{name} {of_moments} and {of_probabilities}"));
         self.moments.extend(moments);
@@ -166,9 +153,15 @@ impl Found {
 
     fn claims(&self, context: &Context<'_>) -> Vec<Claim> {
         let words = self.words.join("; ");
-        let lines = context.lines("", format!("below half, moments and probabilities: {words}"));
+        let lines = context.lines(
+            "",
+            format!(
+                "below half, and median of stated over true, moments and probabilities: {words}"
+            ),
+        );
         let hides = "an error that crosses zero hides from a difference of two lattices; a third one shows most of them";
         let asked = "0.9 were asked for: a true error that crosses zero is overestimated";
+        let cautious = "the same, and each has at least a quarter of the relative error at the thresholds beside it";
         let share = |name: &str, words: &str, indices: &[f64], is: fn(f64) -> bool, range, why| {
             let part = indices.iter().filter(|it| is(**it)).count() as f64 / indices.len() as f64;
             lines.of(name, words).measured(part, range).because(why)
@@ -180,7 +173,7 @@ impl Found {
             share("moments/too-small", small, moments, is_small, (0.0, 0.05), hides),
             share("moments/good", good, moments, is_good, (0.5, 1.0), asked),
             share("probabilities/too-small", small, probabilities, is_small, (0.0, 0.15), hides),
-            share("probabilities/good", good, probabilities, is_good, (0.3, 1.0), asked),
+            share("probabilities/good", good, probabilities, is_good, (0.2, 1.0), cautious),
         ]
     }
 }

@@ -137,6 +137,15 @@ impl Observed {
         self.note = Some(note.to_owned());
     }
 
+    /// Takes away an error that is that of the lattice alone, and notes it; what is unknown for another reason keeps that.
+    pub(crate) fn of_one_covariance(&mut self) {
+        if let Some(error) = self.error {
+            self.lose_error(&format!(
+                "no lattice shows the error of one covariance of the filter for all states; that of the lattice is {error:.1e}"
+            ));
+        }
+    }
+
     /// An estimate with its uncertainty.
     pub(crate) fn of_estimate(t: f64, estimate: &Estimate) -> Self {
         let Number { value, error, error_kind } = Number::from(*estimate);

@@ -125,6 +125,11 @@ impl Quantity {
         }
     }
 
+    /// Whether a scene asks for it.
+    const fn is_asked(&self) -> bool {
+        matches!(self, Self::Moment(_) | Self::Probability { .. })
+    }
+
     /// The estimator of a probability; none for another quantity.
     pub(crate) const fn estimator(&self) -> Option<Probability> {
         if let Self::Probability { by, .. } = self { Some(*by) } else { None }
@@ -293,7 +298,16 @@ pub(in crate::run) fn series(
         all.push(Series::new(of, words.to_owned(), both.values(pick)));
     }
     all.retain(|series| !series.values.is_empty());
+    if conditions_nonlinear(scene, system) {
+        let answers = all.iter_mut().filter(|series| series.of.is_asked());
+        answers.flat_map(|series| &mut series.values).for_each(Observed::of_one_covariance);
+    }
     all
+}
+
+/// Whether the states of a filter are conditioned out of a nonlinear structure, whose error no lattice shows.
+pub(in crate::run) fn conditions_nonlinear(scene: &FpkScene, system: &System) -> bool {
+    scene.method.conditions_filter() && !system.is_linear()
 }
 
 /// Thresholds of the scene and those beside them, with their probabilities over the cells.

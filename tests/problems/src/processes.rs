@@ -47,10 +47,10 @@ pub fn scenes() -> Result<Vec<Scene>, CaseError> {
 fn density() -> Result<Scene, CaseError> {
     let mut scene: FpkScene =
         built_in(include_str!("../../../tests/scenes/fpk/viscous_damper.json"))?;
-    scene.times = Times { until: 5.0, every: 0.1 };
+    scene.times = Times { until: 5.0, every: 0.25 };
     let states = vec![["q", "v"].map(str::to_owned)];
     scene.planes = Some(PlanesScene { states, times: vec![1.0, 2.0] });
-    scene.cloud = Some(CloudScene { every_observations: 10 });
+    scene.cloud = Some(CloudScene { every_observations: 4 });
     let named = Scene::new("density", &scene, false)?;
     scene.times.until = 3.0;
     named.shortened(&scene)

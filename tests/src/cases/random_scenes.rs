@@ -15,7 +15,7 @@ pub(super) const CASE: Case = Case {
 };
 
 /// Scenes of the quick and of the whole proof, and their longest run: two of the sixty take six times as long as all others.
-const SCENES: [u64; 2] = [60, 300];
+const SCENES: [u64; 2] = [60, 150];
 const LONGEST: [Duration; 2] = [Duration::from_secs(3), Duration::from_secs(10)];
 const SEED: u64 = 20;
 

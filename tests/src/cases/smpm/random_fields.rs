@@ -239,11 +239,11 @@ fn taylor_bar(context: &Context<'_>) -> CaseResult {
     Ok(vec![
         lines
             .of("variance", "relative error of the variance of the length")
-            .bounded(of.variance[0], 0.03)
+            .bounded(of.variance[0], 0.014)
             .because("third derivatives, of the order of cv^2, and the samples' own error"),
         lines
             .of("mean", "error of the mean length over its deviation")
-            .bounded(of.mean[0], 0.03)
+            .bounded(of.mean[0], 0.025)
             .because("fourth order, and the samples' own error"),
         lines
             .of("deviation", "deviation of the length")

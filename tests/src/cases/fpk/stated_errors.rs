@@ -161,7 +161,7 @@ impl Found {
         );
         let hides = "an error that crosses zero hides from a difference of two lattices; a third one shows most of them";
         let asked = "0.9 were asked for: a true error that crosses zero is overestimated";
-        let cautious = "the same, and each has at least a quarter of the relative error at the thresholds beside it";
+        let cautious = "a true error that crosses zero is overestimated, and each has at least a quarter of the relative error at the thresholds beside it";
         let share = |name: &str, words: &str, indices: &[f64], is: fn(f64) -> bool, range, why| {
             let part = indices.iter().filter(|it| is(**it)).count() as f64 / indices.len() as f64;
             lines.of(name, words).measured(part, range).because(why)

@@ -22,6 +22,9 @@ pub struct Exceedances {
     pub note: Option<String>,
     /// Its error by the moment equations.
     pub offset: f64,
+    /// What may lie beyond the threshold although no particle does: the second moment of the magnitude that is missing by the moment
+    /// equations, over the square of the threshold (Markov's inequality).
+    pub missing: f64,
 }
 
 /// Results at one time.
@@ -102,12 +105,16 @@ fn exceedances<S: Sde<D, M>, const D: usize, const M: usize>(
         let over_cells = over_cells.get(k);
         let log_interpolated = simulation.exceedance_log_interpolated(magnitude, threshold)?;
         let moved = |x: &[f64; D]| magnitude(&corrected(x));
+        let change = |x: &[f64; D]| moved(x).powi(2) - magnitude(x).powi(2);
+        let missing = simulation.expectation(change).abs() / threshold.powi(2);
         Ok(Exceedances {
             indicator: simulation.exceedance_indicator(magnitude, threshold)?,
             log_interpolated,
             offset: log_interpolated - simulation.exceedance_log_interpolated(moved, threshold)?,
             cell_integrated: over_cells.map(|over| estimate(over.probability())),
             note: over_cells.and_then(|over| note(over.probability())),
+            // Every magnitude is beyond the threshold zero.
+            missing: if threshold > 0.0 { missing } else { 0.0 },
         })
     };
     let exceedances: Result<_, Error> = asked.thresholds.iter().enumerate().map(at).collect();

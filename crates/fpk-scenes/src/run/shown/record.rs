@@ -49,6 +49,9 @@ pub(crate) struct Series {
 const OF_CUT_CELLS: f64 = 1e-6;
 /// Relative error of standard deviations by the moment equations above which what the lattice left outside bounds no probability.
 const VIOLATION_OF_BOUND: f64 = 0.01;
+/// The same above which what is missing of a second moment may lie beyond a threshold. Below it what the lattice left outside was a
+/// bound in all scenes of the hunts.
+const VIOLATION_IN_TAIL: f64 = 1e-3;
 const NO_CELL_BEYOND: &str =
     "no cell of the lattice lies beyond the threshold: take a finer lattice, or guided paths";
 
@@ -260,6 +263,9 @@ pub(in crate::run) fn series(
             let mut values = both.values(|row| pick(&row.exceedances[k]));
             for observed in &mut values {
                 let Some(row) = both.fine.at(observed.t) else { continue };
+                let missing = row.exceedances[k].missing;
+                let is_suspect = row.violation > VIOLATION_IN_TAIL;
+                let unseen = row.mass_outside.max(if is_suspect { missing } else { 0.0 });
                 let by_runs = observed.error.unwrap_or_default();
                 observed.raise_error(shared(row).of_probability(observed.value));
                 observed.add_error(Some(row.exceedances[k].offset));
@@ -284,11 +290,15 @@ pub(in crate::run) fn series(
                         observed.lose_error(NO_CELL_BEYOND);
                     } else if is_below {
                         // A larger difference says that the particles are not where they should be.
-                        observed.bounded_by(row.mass_outside.max(by_runs));
+                        let bound = unseen.max(by_runs);
+                        observed.bounded_by(bound);
+                        if bound > row.mass_outside {
+                            observed.note = Some(format!("known only to be below {bound:.1e}"));
+                        }
                     }
                 } else {
                     // Counts of masses end with the cloud; the fits of the cells go on beyond it.
-                    observed.may_lack(row.mass_outside);
+                    observed.may_lack(unseen);
                 }
             }
             all.push(Series::probability((by, threshold), &demand, values));

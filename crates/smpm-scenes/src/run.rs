@@ -71,7 +71,6 @@ fn run_in<const D: usize>(
     notes.extend(scene.implausible().map_err(object)?);
     notes.extend(scene.unused_fields());
     notes.extend(scene.bonded_gaps::<D>().map_err(object)?);
-    notes.extend(scene.rigid_edges());
     notes.extend(scene.sparse_particles());
     notes.extend(scene.levels_of_one_run());
     let print = |notes: &[String]| {

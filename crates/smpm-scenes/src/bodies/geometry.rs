@@ -187,16 +187,6 @@ impl SmpmScene {
         }
     }
 
-    /// What is known to be wrong at a rigid body: of a copper bar of eight and of sixteen cells to its radius the rim of the foot is 22 and
-    /// 15 % nearer to its axis after 80 us than on a rigid boundary.
-    pub(crate) fn rigid_edges(&self) -> Option<String> {
-        let body = self.bodies.iter().find(|body| body.rigid && self.dimension > 1)?;
-        let name = &body.name;
-        Some(format!(
-            "the rigid body `{name}` holds edges of other bodies that slide along it: the foot of a copper bar was 22 % too small on eight cells to its radius and 15 % on sixteen; where `{name}` is a plane at rest take a boundary of kind \"rigid\" in its place, else compare with smaller cells"
-        ))
-    }
-
     /// A note for each pair of bonded bodies that are apart at the start: they act on each other before they touch, and never part.
     ///
     /// Bodies are as far apart as the boxes about them.

@@ -181,20 +181,22 @@ impl<S: CarriedNumber, const D: usize> BlockSums<'_, S, D> {
             };
             // The volume that bodies leave empty around the node is the gap between them.
             let fill = |field: usize| surface(field).fill.value();
-            if (0..self.n_fields).map(fill).sum::<f64>() < 1.0 - MOST_GAP {
+            let is_full = (0..self.n_fields).map(fill).sum::<f64>() >= 1.0 - MOST_GAP;
+            if !is_full && self.rigid.is_none() {
                 continue;
             }
             for second in (1..self.n_fields).filter(|&field| bears(field)) {
                 let (low, high) = owned.split_at_mut(second * tile_len(D));
-                let of_b = surface(second);
                 for first in (0..second).filter(|&field| bears(field)) {
-                    let of_a = surface(first);
+                    let rigid = [first, second].map(|field| self.rigid == Some(field));
+                    let surfaces = [&surface(first), &surface(second)];
+                    let Some([of_a, of_b]) = Surface::in_contact(surfaces, is_full, rigid) else {
+                        continue;
+                    };
                     let (a, b) = (first * tile_len(D) + index, second * tile_len(D) + index);
                     // A mass beside which that of others is roundoff.
-                    let weigh = |field: usize, mass: S| {
-                        if self.rigid == Some(field) { mass * 1e18 } else { mass }
-                    };
-                    let (mass_a, mass_b) = (weigh(first, masses[a]), weigh(second, masses[b]));
+                    let weigh = |is_rigid: bool, mass: S| if is_rigid { mass * 1e18 } else { mass };
+                    let (mass_a, mass_b) = (weigh(rigid[0], masses[a]), weigh(rigid[1], masses[b]));
                     meet((&mut low[a], mass_a, &of_a), (&mut high[index], mass_b, &of_b), friction);
                 }
             }

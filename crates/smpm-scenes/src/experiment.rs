@@ -3,8 +3,9 @@
 use perturbation_moments::{RandomVector, Scalar};
 use scene_runs::scene::Objection;
 use smpm::uncertainty::{Coefficients, Experiment, Inputs};
-use smpm::{Body, Config, Error, Fill, Number, Simulation};
+use smpm::{Body, Config, Error, Fill, Number, Simulation, SurfaceLoad};
 
+use super::load_scene::loads_of;
 use super::material_scene::{MaterialPart, MaterialScene, Numbers};
 use super::numbers::{NumberAt, moved};
 use super::random_fields::PreparedField;
@@ -31,6 +32,7 @@ struct Prepared<const D: usize> {
     numbers: Numbers,
     velocity: [f64; D],
     is_rigid: bool,
+    loads: Vec<SurfaceLoad<D>>,
 }
 
 impl<const D: usize> SceneExperiment<D> {
@@ -55,6 +57,7 @@ impl<const D: usize> SceneExperiment<D> {
                 numbers: numbers.clone(),
                 velocity: body.velocity.as_slice().try_into().unwrap_or([0.0; D]),
                 is_rigid: body.rigid,
+                loads: loads_of(&body.loads, body.rigid, &format!("bodies[{i}]"))?,
             })
         };
         let bodies = scene.bodies.iter().enumerate().map(prepare).collect::<Result<_, _>>()?;
@@ -195,9 +198,10 @@ impl<const D: usize> SceneExperiment<D> {
             } else {
                 Body::varying(|particle, _| Ok(model(particle)?), fill, prepared.velocity)
             };
-            body.map(|body| if prepared.is_rigid { body.rigid() } else { body })
+            let body = body?.loaded(&prepared.loads)?;
+            Ok(if prepared.is_rigid { body.rigid() } else { body })
         };
         let bodies = self.bodies.iter().zip(&self.fills).enumerate().map(body);
-        Simulation::new(self.config.clone(), bodies.collect::<Result<_, _>>()?)
+        Simulation::new(self.config.clone(), bodies.collect::<Result<_, Error>>()?)
     }
 }

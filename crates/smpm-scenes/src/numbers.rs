@@ -48,7 +48,7 @@ impl SmpmScene {
             && !body.has_movable_particles(path == format!("bodies[{number}].rotation.degrees"))
         {
             let message = format!("`{path}` of body `{}` cannot vary", body.name);
-            let help = "sizes of boxes, balls and cylinders without `except` and `rotation` may, and `rotation.degrees`";
+            let help = "sizes of boxes, balls and cylinders without `except` and `rotation` may, and `rotation.degrees`, of bodies without `loads`";
             return Err(Objection::new(key, message).with_help(help));
         }
         Ok(number)
@@ -92,8 +92,9 @@ impl SmpmScene {
 
     /// Unit of the number at a path; empty where it has none.
     pub(crate) fn unit_at(&self, path: &str) -> &'static str {
-        let [length, _, _, _, velocity] = self.units.names();
+        let [length, _, stress, _, velocity] = self.units.names();
         match () {
+            () if path.ends_with("].pressure") || path.contains("].traction[") => stress,
             () if path.ends_with("].rotation.degrees") => "degrees",
             () if self.moved_body(path).is_some() => length,
             () if path.contains("].velocity[") => velocity,
@@ -109,7 +110,8 @@ impl BodyScene {
             self.shape,
             SolidScene::Box { .. } | SolidScene::Ball { .. } | SolidScene::Cylinder { .. }
         );
-        is_turned || is_simple && self.except.is_empty() && self.rotation.is_none()
+        let is_whole = is_simple && self.except.is_empty() && self.rotation.is_none();
+        self.loads.is_empty() && (is_turned || is_whole)
     }
 }
 

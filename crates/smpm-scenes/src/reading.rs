@@ -15,6 +15,7 @@ use smpm::{
 use uq_estimators::{Error as SamplingError, SobolPoints};
 
 use super::coordinates::point;
+use super::load_scene::{check_history, loads_of};
 use super::material_scene::{MaterialPart, MaterialScene, Numbers};
 use super::method_scene::MethodScene;
 use super::numbers::is_path;
@@ -465,15 +466,7 @@ impl SmpmScene {
             let message = "there is no `gravity` of which to take multiples";
             return Err(Objection::new("gravity_history", message));
         }
-        let mut from = 0.0;
-        for (i, [time, _]) in self.gravity_history.iter().enumerate() {
-            if time.is_nan() || *time < from {
-                let message = format!("the time is {time} and must not be less than {from}");
-                return Err(Objection::new(format!("gravity_history[{i}]"), message));
-            }
-            from = *time;
-        }
-        Ok(())
+        check_history(&self.gravity_history, "gravity_history")
     }
 
     /// Replicas of Sobol' points, of which there are only certain numbers.
@@ -539,6 +532,7 @@ impl SmpmScene {
             if !body.velocity.is_empty() {
                 point::<D>(&body.velocity, &format!("bodies[{i}].velocity"))?;
             }
+            loads_of::<D>(&body.loads, body.rigid, &format!("bodies[{i}]"))?;
         }
         self.check_bodies::<D>()?;
         self.check_fields::<D>()

@@ -170,7 +170,7 @@ fn in_the_scene(file: &SceneFile, scene: &SmpmScene, error: smpm::Error) -> RunE
             let objection = Objection::new("times", error.to_string());
             file.object_to(&objection.with_help(OTHER_TIMES)).into()
         }
-        smpm::Error::RigidAlone => at("bodies".to_owned()),
+        smpm::Error::RigidAlone | smpm::Error::NoFaceLoaded { .. } => at("bodies".to_owned()),
         smpm::Error::NotOnGrid { .. }
         | smpm::Error::BoundariesTooClose { .. }
         | smpm::Error::BoundariesContradict { .. }

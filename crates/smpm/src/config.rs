@@ -127,27 +127,8 @@ impl<const D: usize> Config<D> {
     /// The acceleration of all particles at a time.
     #[must_use]
     pub fn gravity_at(&self, time: f64) -> [f64; D] {
-        let after = self.gravity_history.partition_point(|point| point[0] <= time);
-        let multiple = match (after.checked_sub(1), self.gravity_history.get(after)) {
-            (None, None) => return self.gravity,
-            (None, Some(first)) => first[1],
-            (Some(last), None) => self.gravity_history[last][1],
-            (Some(before), Some(next)) => {
-                let [from, multiple] = self.gravity_history[before];
-                multiple + (next[1] - multiple) * (time - from) / (next[0] - from)
-            }
-        };
+        let multiple = multiple_at(&self.gravity_history, time);
         self.gravity.map(|along| along * multiple)
-    }
-
-    fn check_gravity_history(&self) -> Result<(), Error> {
-        let mut from = 0.0;
-        for &[time, multiple] in &self.gravity_history {
-            within("time in gravity_history", time, from, f64::MAX)?;
-            finite("multiple in gravity_history", multiple)?;
-            from = time;
-        }
-        Ok(())
     }
 
     /// The same with the boundary that the axis of symmetry is.
@@ -174,7 +155,8 @@ impl<const D: usize> Config<D> {
             finite("origin", self.origin[k])?;
             finite("gravity", self.gravity[k])?;
         }
-        self.check_gravity_history()?;
+        let names = ["time in gravity_history", "multiple in gravity_history"];
+        check_history(names, &self.gravity_history)?;
         not_negative("quadratic bulk viscosity", self.viscosity.quadratic)?;
         not_negative("linear bulk viscosity", self.viscosity.linear)?;
         if let Contact::Friction { coefficient } = self.contact {
@@ -189,4 +171,32 @@ impl<const D: usize> Config<D> {
         }
         Ok(())
     }
+}
+
+/// The multiple at a time by points of time and multiple: linear between them, constant outside, and one without points.
+pub(crate) fn multiple_at(history: &[[f64; 2]], time: f64) -> f64 {
+    let after = history.partition_point(|point| point[0] <= time);
+    match (after.checked_sub(1), history.get(after)) {
+        (None, None) => 1.0,
+        (None, Some(first)) => first[1],
+        (Some(last), None) => history[last][1],
+        (Some(before), Some(next)) => {
+            let [from, multiple] = history[before];
+            multiple + (next[1] - multiple) * (time - from) / (next[0] - from)
+        }
+    }
+}
+
+/// Refuses points of time and multiple that do not ascend or are not finite, by the names of both.
+pub(crate) fn check_history(
+    [of_time, of_multiple]: [&'static str; 2],
+    history: &[[f64; 2]],
+) -> Result<(), Error> {
+    let mut from = 0.0;
+    for &[time, multiple] in history {
+        within(of_time, time, from, f64::MAX)?;
+        finite(of_multiple, multiple)?;
+        from = time;
+    }
+    Ok(())
 }

@@ -110,6 +110,19 @@ pub enum Error {
         "a rigid body moves the others by contact: take contact with friction, a body beside it, and one rigid body at most"
     )]
     RigidAlone,
+    /// Loads on a rigid body.
+    #[error("a rigid body keeps its velocity; no load acts on it")]
+    RigidLoaded,
+    /// A load on no face of a body.
+    #[error(
+        "no face of the body is within {from:?} to {to:?}: a face is that of the box of a particle with no particle beyond it, and its centre must be within"
+    )]
+    NoFaceLoaded {
+        /// Lowest corner of the region of the load.
+        from: Vec<f64>,
+        /// Highest corner.
+        to: Vec<f64>,
+    },
     /// A number of dimensions that there is not.
     #[error("{value} dimensions; there must be 1 to 3")]
     NoSuchDimension {

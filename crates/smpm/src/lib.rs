@@ -20,6 +20,7 @@ pub use perturbation_moments::{Jet, Scalar};
 pub use points::body::Body;
 pub use points::compiled_points::Number;
 pub use points::fill::Fill;
+pub use points::surface_load::SurfaceLoad;
 pub use record::balance::Balance;
 pub use record::external::External;
 pub use record::gathered::{Record, Schedule};

@@ -40,7 +40,7 @@ pub struct Simulation<S, const D: usize> {
     limit: Limit,
     /// A buffer of the sort.
     done: Vec<bool>,
-    /// Energy at the start, and what gravity has put in since.
+    /// Energy at the start, and what gravity, loads and a rigid body have put in since.
     supplied: f64,
     external: External<D>,
     /// Of all bodies.
@@ -108,7 +108,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     ///
     /// # Errors
     /// A parameter outside its range, by name; [`Error::NoBody`]; [`Error::NotOnGrid`], [`Error::BoundariesContradict`],
-    /// [`Error::AxisIsNoBoundary`], [`Error::BoundariesTooClose`]; [`Error::RigidAlone`];
+    /// [`Error::AxisIsNoBoundary`], [`Error::BoundariesTooClose`]; [`Error::RigidAlone`], [`Error::RigidLoaded`];
     /// [`Error::BeyondBoundary`] for a particle that starts there.
     pub fn new(config: Config<D>, bodies: Vec<Body<S, D>>) -> Result<Self, Error> {
         config.check()?;
@@ -132,6 +132,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
                     *mass = *mass * x[0].value();
                     *volume *= x[0].value();
                 }
+                body.make_loads_axisymmetric();
             }
             body.particles.prepare(&config);
         }
@@ -195,7 +196,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         self.limit.dt
     }
 
-    /// What gravity and the planes have given to the bodies since the start.
+    /// What gravity, loads, the planes and a rigid body have given to the others since the start.
     pub const fn external(&self) -> &External<D> {
         &self.external
     }
@@ -295,6 +296,8 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
             return Err(Error::Courant { step, time: self.time, dt, limit, body, particle });
         }
         self.allocate()?;
+        let middle = self.time + 0.5 * dt;
+        self.bodies.iter_mut().for_each(|body| body.set_forces(middle));
         if self.grid.has_contact() {
             sum_surfaces(&mut self.grid, &self.bodies, &self.config);
         }
@@ -306,6 +309,7 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
         let summary = self.map_to_particles(dt, Pass::StressAndMove)?;
         self.n_steps = step;
         self.time += dt;
+        self.add_loads(dt);
         self.check_energy(dt, &summary)?;
         Ok(StepReport { step, time: self.time, dt, n_tiles: self.grid.n_tiles() })
     }
@@ -406,6 +410,15 @@ impl<S: CarriedNumber, const D: usize> Simulation<S, D> {
     /// Mass, momentum and energy of all bodies.
     pub fn ledger(&self) -> Ledger<D> {
         Ledger::sum(self.ledgers())
+    }
+
+    /// Counts what the loads have given in a step.
+    fn add_loads(&mut self, dt: f64) {
+        for body in self.bodies.iter().filter(|body| body.is_loaded()) {
+            let (force, work) = body.force_and_work();
+            self.supplied += work.max(0.0);
+            self.external.add_loads(force.map(|along| along * dt), work);
+        }
     }
 
     fn check_energy(&mut self, dt: f64, summary: &Summary<D>) -> Result<(), Error> {

@@ -373,3 +373,39 @@ fn a_rigid_body_pushes_with_a_force_that_is_recorded() {
     let (path, message) = (&ran.mistake().path, &ran.mistake().message);
     assert!(path == "bodies" && message.contains("contact with friction"), "{path}: {message}");
 }
+
+#[test]
+fn a_load_on_a_face_is_in_the_balance_and_one_on_no_face_is_refused() {
+    let loaded = |load: &str| {
+        let with = format!("'velocity': [0.0], 'loads': [{load}] }} ],");
+        let scheme = "'scheme': { 'damping': 0.5 }, 'boundaries': [{ 'axis': 1, 'position': 0, 'side': 'above', 'kind': 'clamped' }],";
+        let changes = [
+            ("'velocity': [10.0] } ],", with.as_str()),
+            ("'gravity': [-10.0],", scheme),
+            ("'position_1'", "'stress_11'"),
+            ("'cell': 0.1", "'cell': 0.02"),
+            // The last particles, on which the load acts, have less stress.
+            ("'within': [[0], [0.4]]", "'within': [[0], [0.2]]"),
+            ("[0.5, 1.0]", "[2.0]"),
+        ];
+        SceneRun::of(&changed(&block(), &changes))
+    };
+    let load = "{ 'within': [[0.4], [0.4]], 'pressure': 100.0, 'traction': [-20.0], 'history': [[0, 0], [0.1, 1]] }";
+    let result = loaded(load).result();
+    let stress = result["gauges"][0]["quantities"][0]["values"][0]["mean"].as_f64().unwrap();
+    assert!((stress / -120.0 - 1.0).abs() < 5e-3, "{stress}");
+    let end = |name: &str| result["balance"][1][name].as_f64().unwrap();
+    // Full but for the mean of the first 0.1 s.
+    let impulse = end("load_impulse_1");
+    assert!((impulse / (-120.0 * 1.95) - 1.0).abs() < 1e-3, "{impulse}");
+    assert!(end("load_work") > 0.0);
+    for (changed, at, said) in [
+        ("{ 'within': [[0.41], [0.5]], 'pressure': 1.0 }", "bodies", "no face"),
+        ("{ 'within': [[0.4], [0.4]] }", "bodies[0].loads[0]", "zero"),
+        ("{ 'within': [[0.4, 0], [0.4]], 'pressure': 1.0 }", "bodies[0].loads[0].within[0]", "2"),
+    ] {
+        let ran = loaded(changed);
+        let (path, message) = (&ran.mistake().path, &ran.mistake().message);
+        assert!(path == at && message.contains(said), "{path}: {message}");
+    }
+}

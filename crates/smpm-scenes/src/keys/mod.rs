@@ -4,6 +4,7 @@
 
 pub(crate) mod coordinates;
 pub mod keyword_file_scene;
+pub mod load_scene;
 pub(crate) mod material_origin;
 pub(crate) mod material_part;
 pub mod material_scene;

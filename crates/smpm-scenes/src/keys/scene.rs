@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use smpm::Window;
 use smpm::uncertainty::Design;
 
+use super::load_scene::LoadScene;
 use super::material_scene::MaterialScene;
 use super::method_scene::MethodScene;
 use super::quantity_name::QuantityName;
@@ -271,6 +272,10 @@ pub struct BodyScene {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     #[schemars(example = true)]
     pub rigid: bool,
+    /// Loads on its surface; none without this key.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = vec![LoadScene::on_top()])]
+    pub loads: Vec<LoadScene>,
 }
 
 /// A rotation, in two dimensions with plane strain or in three.

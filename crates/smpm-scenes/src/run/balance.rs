@@ -9,7 +9,7 @@ use smpm::Balance;
 
 use crate::scene::{BoundaryKindScene, ContactScene, SmpmScene};
 
-/// Names and values of the balance at a time, in units of the scene: what the bodies hold, and what gravity and each boundary have given
+/// Names and values of the balance at a time, in units of the scene: what the bodies hold, and what gravity, loads and each boundary have given
 /// to them since the start. What is not known has no value, and is absent in the result.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct BalanceRecord(Vec<(String, Option<f64>)>);
@@ -20,7 +20,7 @@ impl Serialize for BalanceRecord {
     }
 }
 
-/// Whether no work is done but that of gravity and of a rigid body: by no absorbing boundary, no friction and no damping.
+/// Whether no work is done but that of gravity, loads and a rigid body: by no absorbing boundary, no friction and no damping.
 fn conserves_energy(scene: &SmpmScene) -> bool {
     let is_idle = |kind: BoundaryKindScene| match kind {
         BoundaryKindScene::Absorbing { .. } => false,
@@ -41,11 +41,13 @@ fn is_damped(scene: &SmpmScene) -> bool {
 pub(super) fn records<const D: usize>(scene: &SmpmScene, run: &[Balance<D>]) -> Vec<BalanceRecord> {
     let energy = |at: &Balance<D>| at.held.kinetic + at.held.internal;
     let is_rigid = scene.bodies.iter().any(|body| body.rigid);
+    let is_loaded = scene.bodies.iter().any(|body| !body.loads.is_empty());
     // What it gives is what the others lack, which damping takes too, and along the radius hoop stress.
     let is_known = |k: usize| !is_damped(scene) && (k > 0 || !scene.axisymmetric);
     let record = |(i, at): (usize, &Balance<D>)| {
         let (held, external) = (&at.held, &at.external);
-        let error = energy(at) - energy(&run[0]) - external.gravity_work - external.rigid_work;
+        let work = external.gravity_work + external.load_work + external.rigid_work;
+        let error = energy(at) - energy(&run[0]) - work;
         let mut all: Vec<(String, Option<f64>)> = [
             ("time", Some(at.time)),
             ("mass", Some(held.mass)),
@@ -58,6 +60,9 @@ pub(super) fn records<const D: usize>(scene: &SmpmScene, run: &[Balance<D>]) -> 
         ]
         .map(|(name, value)| (name.to_owned(), value))
         .into();
+        if is_loaded {
+            all.push(("load_work".to_owned(), Some(external.load_work)));
+        }
         if is_rigid {
             let work = (!is_damped(scene)).then_some(external.rigid_work);
             all.push(("rigid_body_work".to_owned(), work));
@@ -72,6 +77,9 @@ pub(super) fn records<const D: usize>(scene: &SmpmScene, run: &[Balance<D>]) -> 
             all.push((format!("momentum_{}", k + 1), Some(held.momentum[k])));
             let by_gravity = external.gravity_impulse[k];
             all.push((format!("gravity_impulse_{}", k + 1), Some(by_gravity)));
+            if is_loaded {
+                all.push((format!("load_impulse_{}", k + 1), Some(external.load_impulse[k])));
+            }
             for b in 0..scene.boundaries.len() {
                 all.extend(given(&format!("boundary_{b}"), k, &|it| {
                     it.external.reactions.get(b).map(|by| by[k])
@@ -115,7 +123,7 @@ fn heads(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<Vec<String>> {
 
 /// The table of the page, and the energies over time.
 pub(super) fn shown(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<(Table, Chart)> {
-    let about = "Of the reference run. Impulses and work are since the start, mean forces since the time before. The energy error is the change of the total energy less the work of gravity and of a rigid body.";
+    let about = "Of the reference run. Impulses and work are since the start, mean forces since the time before. The energy error is the change of the total energy less the work of gravity, loads and a rigid body.";
     let row = |at: &BalanceRecord| at.0.iter().map(|(_, value)| cell(*value)).collect();
     let (title, about) = ("Balance over time".to_owned(), about.to_owned());
     let rows = records.iter().map(row).collect();
@@ -134,13 +142,14 @@ pub(super) fn shown(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<(Tab
     Some((table, chart("Energies over time".to_owned(), labels, lines)))
 }
 
-/// Whether a damped run is at rest at its last time, by the part `K / W` of kinetic energy in the work of gravity or else the change of
-/// internal energy: what oscillates about `u` by `a` has `K / W` up to `(a / u)^2 / 2`.
+/// Whether a damped run is at rest at its last time, by the part `K / W` of kinetic energy in the work of gravity and loads or else the
+/// change of internal energy: what oscillates about `u` by `a` has `K / W` up to `(a / u)^2 / 2`.
 pub(super) fn rest(scene: &SmpmScene, records: &[BalanceRecord]) -> Option<Note> {
     let (first, last) = (records.first()?, records.last().filter(|_| is_damped(scene))?);
     let get = |at: &BalanceRecord, name: &str| at.0.iter().find(|(of, _)| of == name)?.1;
     let change = get(last, "internal_energy")? - get(first, "internal_energy")?;
-    let work = get(last, "gravity_work").filter(|&work| work != 0.0).unwrap_or(change).abs();
+    let given = get(last, "gravity_work")? + get(last, "load_work").unwrap_or_default();
+    let work = if given == 0.0 { change } else { given }.abs();
     let share = get(last, "kinetic_energy")? / work;
     let swing = (2.0 * share).sqrt();
     let text = format!(

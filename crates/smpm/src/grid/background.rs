@@ -82,6 +82,9 @@ impl<S: CarriedNumber, const D: usize> Grid<S, D> {
         if rigid.is_some() && (friction.is_none() || another.is_some()) {
             return Err(Error::RigidAlone);
         }
+        if rigid.is_some_and(|(body, _)| bodies[body].is_loaded()) {
+            return Err(Error::RigidLoaded);
+        }
         Ok(Self {
             lattice: Lattice::of(config),
             planes,

@@ -10,6 +10,7 @@ use crate::points::fill::Fill;
 use crate::points::material_points::{MaterialPoints, Points};
 use crate::points::particles::{Chunk, ParticleNumbers, Particles};
 use crate::points::points_in_lanes::PointsInLanes;
+use crate::points::surface_load::{Loaded, SurfaceLoad};
 use constitutive_models::tensor::Symmetric;
 use constitutive_models::{
     LocalResponse, LocalState, Material, MaterialFamily, Model, Observed, Scalar, finite, positive,
@@ -26,6 +27,7 @@ pub struct Body<S, const D: usize> {
     pub(crate) binning: Binning<D>,
     /// Whether it keeps its velocity.
     is_rigid: bool,
+    loads: Vec<Loaded<D>>,
     /// The edges of the box of each particle at the start (length).
     spacing: [f64; D],
     /// Where each particle is in memory; empty while all are at their numbers.
@@ -148,6 +150,7 @@ impl<S: CarriedNumber, const D: usize> Body<S, D> {
             points: points(&places),
             binning: Binning::of(places.len()),
             is_rigid: false,
+            loads: vec![],
             spacing: fill.spacing,
             places: vec![],
             views: Views::none(),
@@ -162,6 +165,58 @@ impl<S: CarriedNumber, const D: usize> Body<S, D> {
     pub fn rigid(mut self) -> Self {
         self.is_rigid = true;
         self
+    }
+
+    /// The same under loads on its surface.
+    ///
+    /// # Errors
+    /// [`Error::NoFaceLoaded`]; [`Error::Parameter`] for a number that is not finite and for times that do not ascend.
+    pub fn loaded(mut self, loads: &[SurfaceLoad<D>]) -> Result<Self, Error> {
+        let places = || self.particles.position.iter().map(|x| x.map(Scalar::value));
+        let on = |load: &SurfaceLoad<D>| load.on(places(), &self.spacing);
+        self.loads = loads.iter().map(on).collect::<Result<_, _>>()?;
+        Ok(self)
+    }
+
+    /// Whether loads act on it.
+    pub(crate) const fn is_loaded(&self) -> bool {
+        !self.loads.is_empty()
+    }
+
+    /// Its loads per radian.
+    pub(crate) fn make_loads_axisymmetric(&mut self) {
+        self.loads.iter_mut().for_each(Loaded::make_axisymmetric);
+    }
+
+    /// Finds the forces of its loads at a time.
+    pub(crate) fn set_forces(&mut self, time: f64) {
+        if !self.is_loaded() {
+            return;
+        }
+        let mut force = std::mem::take(&mut self.particles.force);
+        force.clear();
+        force.resize(self.n_particles(), [0.0; D]);
+        for load in &self.loads {
+            load.for_each(time, |particle, on_face| {
+                let sum = &mut force[self.place(particle)];
+                for k in 0..D {
+                    sum[k] += on_face[k];
+                }
+            });
+        }
+        self.particles.force = force;
+    }
+
+    /// The force of its loads in the last step, and their work (energy).
+    pub(crate) fn force_and_work(&self) -> ([f64; D], f64) {
+        let (mut sum, mut work) = ([0.0; D], 0.0);
+        for (force, by) in self.particles.force.iter().zip(&self.particles.displacement) {
+            for k in 0..D {
+                sum[k] += force[k];
+                work += force[k] * by[k].value();
+            }
+        }
+        (sum, work)
     }
 
     /// Its velocity if it is rigid.

@@ -11,3 +11,4 @@ pub(crate) mod particle_pass;
 pub(crate) mod particles;
 pub(crate) mod points_in_lanes;
 pub(crate) mod summary;
+pub(crate) mod surface_load;

@@ -31,6 +31,8 @@ pub(crate) struct Particles<S, const D: usize> {
     pub(crate) reference_volume: Vec<f64>,
     /// Its number.
     pub(crate) number: Vec<u32>,
+    /// The force of the loads on it in the step; empty where there are none. Snapshots do not hold it.
+    pub(crate) force: Vec<[f64; D]>,
 }
 
 /// A run of particles; columns that are empty are so in every chunk.
@@ -108,6 +110,7 @@ impl<S: CarriedNumber, const D: usize> Particles<S, D> {
             mass: (0..n).map(|particle| density(particle) * volume).collect(),
             reference_volume: vec![volume; n],
             number: (0_u32..).take(n).collect(),
+            force: vec![],
         }
     }
 

@@ -1,6 +1,6 @@
-//! What gravity, planes and a rigid body have given to the others.
+//! What gravity, loads, planes and a rigid body have given to the others.
 
-/// What gravity, the planes and a rigid body have given to the bodies since the start; the rigid body is none of them.
+/// What gravity, loads, the planes and a rigid body have given to the bodies since the start; the rigid body is none of them.
 ///
 /// The momentum of all bodies changes by the sum of these impulses, within roundoff; where axisymmetric along the axis alone.
 /// Symmetry planes, clamped planes and rigid walls without friction do no work.
@@ -11,6 +11,10 @@ pub struct External<const D: usize> {
     pub gravity_impulse: [f64; D],
     /// Work of gravity: its impulse in each step times the mean of the velocities before and after (energy).
     pub gravity_work: f64,
+    /// Impulse of the loads on surfaces (momentum).
+    pub load_impulse: [f64; D],
+    /// Work of the loads: the force on each particle times its displacement in each step (energy).
+    pub load_work: f64,
     /// Impulse of each plane (momentum), in the order of [`Config::boundaries`](crate::Config::boundaries); where axisymmetric the axis
     /// follows unless it is one of them. Where planes meet, a component goes to the plane normal to it, else to the first that acts
     /// along itself.
@@ -27,10 +31,24 @@ pub struct External<const D: usize> {
 impl<const D: usize> External<D> {
     /// At the start, with the momentum there.
     pub(crate) fn none(n_planes: usize, momentum: [f64; D]) -> Self {
-        let (gravity_impulse, rigid_impulse) = ([0.0; D], [0.0; D]);
-        let (gravity_work, rigid_work, momenta) = (0.0, 0.0, [momentum; 2]);
-        let reactions = vec![[0.0; D]; n_planes];
-        Self { gravity_impulse, gravity_work, reactions, rigid_impulse, rigid_work, momenta }
+        Self {
+            gravity_impulse: [0.0; D],
+            gravity_work: 0.0,
+            load_impulse: [0.0; D],
+            load_work: 0.0,
+            reactions: vec![[0.0; D]; n_planes],
+            rigid_impulse: [0.0; D],
+            rigid_work: 0.0,
+            momenta: [momentum; 2],
+        }
+    }
+
+    /// Adds the impulse of the loads over a step, and their work.
+    pub(crate) fn add_loads(&mut self, impulse: [f64; D], work: f64) {
+        for k in 0..D {
+            self.load_impulse[k] += impulse[k];
+        }
+        self.load_work += work;
     }
 
     /// Adds the impulse of gravity on a mass over a step, and its work.
@@ -52,7 +70,7 @@ impl<const D: usize> External<D> {
         for k in (0..D).filter(|&k| is_conserved(k)) {
             let planes: f64 = self.reactions.iter().map(|reaction| reaction[k]).sum();
             let change = self.momenta[1][k] - self.momenta[0][k];
-            let impulse = change - self.gravity_impulse[k] - planes;
+            let impulse = change - self.gravity_impulse[k] - self.load_impulse[k] - planes;
             work += velocity[k] * (impulse - self.rigid_impulse[k]);
             self.rigid_impulse[k] = impulse;
         }
@@ -62,9 +80,11 @@ impl<const D: usize> External<D> {
 
     /// Calls with every number, to be read or written.
     pub(crate) fn visit_numbers(&mut self, visit: &mut dyn FnMut(&mut f64)) {
-        let vectors = self.gravity_impulse.iter_mut().chain(&mut self.rigid_impulse);
-        vectors.chain(self.momenta.as_flattened_mut()).for_each(&mut *visit);
-        [&mut self.gravity_work, &mut self.rigid_work].into_iter().for_each(&mut *visit);
+        let vectors = [&mut self.gravity_impulse, &mut self.load_impulse, &mut self.rigid_impulse];
+        vectors.into_iter().flatten().for_each(&mut *visit);
+        self.momenta.as_flattened_mut().iter_mut().for_each(&mut *visit);
+        let work = [&mut self.gravity_work, &mut self.load_work, &mut self.rigid_work];
+        work.into_iter().for_each(&mut *visit);
         self.reactions.iter_mut().flatten().for_each(visit);
     }
 }

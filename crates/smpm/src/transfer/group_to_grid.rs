@@ -324,7 +324,7 @@ impl<const D: usize> ParticleToGrid<D> {
         terms
     }
 
-    /// `-V_p sigma_p e_l` over the cell, by the axis `l` of the gradient; gravity and the hoop, which is `-V_p sigma_tt / r`.
+    /// `-V_p sigma_p e_l` over the cell, by the axis `l` of the gradient; gravity and loads; the hoop, which is `-V_p sigma_tt / r`.
     #[inline(always)]
     fn find_forces<R: Registers<f64>>(
         &self,
@@ -352,6 +352,12 @@ impl<const D: usize> ParticleToGrid<D> {
         if self.body_force {
             for k in 0..D {
                 terms.body_force[k] = terms.mass * registers.splat(self.gravity[k]);
+            }
+            if of.body.is_loaded() {
+                let force = components(registers, &of.body.particles.force, groups);
+                for k in 0..D {
+                    terms.body_force[k] = terms.body_force[k] + only(inside, force[k]);
+                }
             }
         }
         if self.axisymmetric {

@@ -219,6 +219,9 @@ impl<S: CarriedNumber, const D: usize, const NODES: usize> JetToGrid<'_, S, D, N
             if self.transfer.body_force {
                 for c in 0..D {
                     body_force[c] = mass.scaled(self.transfer.gravity[c]);
+                    if let Some(force) = of.force.get(p) {
+                        body_force[c].value += force[c];
+                    }
                 }
             }
             if self.transfer.axisymmetric {

@@ -40,7 +40,7 @@ pub(crate) struct ParticleToGrid<const D: usize> {
     pub(crate) axisymmetric: bool,
     /// See [`Shape::hoop_curvature`].
     pub(crate) hoop_curvature: f64,
-    /// Whether there is gravity.
+    /// Whether there is gravity, or loads on the body.
     pub(crate) body_force: bool,
 }
 
@@ -53,6 +53,8 @@ pub(crate) struct Run<'a, S, const D: usize> {
     pub(crate) mass: &'a [S],
     pub(crate) reference_volume: &'a [f64],
     pub(crate) conditions: Columns<'a, S>,
+    /// Of loads.
+    pub(crate) force: &'a [[f64; D]],
     /// The lowest node that it sees.
     pub(crate) base: &'a [[i32; D]],
     /// Where in the blocks of the grid this node is.
@@ -79,6 +81,7 @@ impl<'a, S: CarriedNumber, const D: usize> Run<'a, S, D> {
             mass: &particles.mass[run.clone()],
             reference_volume: &particles.reference_volume[run.clone()],
             conditions: conditions.part(run.clone()),
+            force: particles.force.get(run.clone()).unwrap_or_default(),
             base: &binning.bases[run.clone()],
             node: &binning.nodes[run],
         }
@@ -103,7 +106,8 @@ impl<const D: usize> ParticleToGrid<D> {
     /// The same for the particles of a body.
     pub(crate) fn of_body<S: CarriedNumber>(&self, body: &Body<S, D>) -> Self {
         let spacing = body.spacing()[0] * self.lattice.per_cell;
-        Self { hoop_curvature: self.shape.hoop_curvature(spacing), ..*self }
+        let hoop_curvature = self.shape.hoop_curvature(spacing);
+        Self { hoop_curvature, body_force: self.body_force || body.is_loaded(), ..*self }
     }
 
     /// Momentum with APIC's matrix.

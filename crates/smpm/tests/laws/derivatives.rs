@@ -2,7 +2,7 @@
 
 use perturbation_moments::{Jet, LANES};
 use smpm::material::{LinearElasticParameters, LinearElasticSolid};
-use smpm::{Body, Config, Fill, Geometry, Number, Shape, Simulation, Transfer};
+use smpm::{Body, Config, Fill, Geometry, Number, Shape, Simulation, SurfaceLoad, Transfer};
 
 /// Step of the differences, along the line on which all inputs change.
 const STEP: f64 = 2e-5;
@@ -14,8 +14,8 @@ const SLOPES: [f64; 3] = [0.1, 3.0, 0.02];
 /// What is compared of a run: columns of numbers of a kind.
 type Columns<S> = [Vec<S>; 4];
 
-/// Places, velocities, stresses and masses of an elastic body that stretches, shears and rotates across cells, after steps of these
-/// lengths, or thirty of those that it allows.
+/// Places, velocities, stresses and masses of an elastic body that stretches, shears and rotates across cells, with loads on its
+/// surface where there is gravity, after steps of these lengths, or thirty of those that it allows.
 fn run<S: Number, const D: usize>(
     config: &Config<D>,
     steps: &mut Vec<f64>,
@@ -38,6 +38,11 @@ fn run<S: Number, const D: usize>(
         })
     })
     .unwrap();
+    if config.gravity.iter().any(|&along| along != 0.0) {
+        let (within, traction) = ([[0.0; D], [2.0; D]], [0.2; D]);
+        let load = SurfaceLoad { within, pressure: 0.5, traction, history: vec![] };
+        body = body.loaded(&[load]).unwrap();
+    }
     let mut simulation = Simulation::new(config.clone(), vec![body]).unwrap();
     if steps.is_empty() {
         steps.extend((0..30).map(|_| simulation.step().unwrap().dt));
@@ -123,7 +128,7 @@ fn derivatives_are_those_of_differences_of_runs() {
 }
 
 #[test]
-fn the_hoop_and_gravity_have_their_derivatives() {
+fn the_hoop_gravity_and_loads_have_their_derivatives() {
     for transfer in [Transfer::Flip, Transfer::Apic] {
         compare(&Config {
             shape: Shape::CubicBSpline,

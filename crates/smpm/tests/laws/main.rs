@@ -13,6 +13,7 @@ mod custom_material;
 mod derivatives;
 mod fixtures;
 mod invariants;
+mod loads;
 mod plate_impact;
 mod rest;
 mod restart;
